@@ -1,0 +1,43 @@
+/* Contact forces of one method, one row per contact of the packing; and what they leave unbalanced on each grain.
+ * The force on j from i is fn n + ft t. */
+#ifndef PIPELINE_FORCES_H
+#define PIPELINE_FORCES_H
+
+#include "pipeline/columns.h"
+
+enum contact_status { STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2, STATUS_NOT_USED = 3 };
+
+struct contact_forces {
+    size_t count;
+    double *fn, *ft;          /* N; fn >= 0 in compression */
+    double *s_fn, *s_ft;      /* N: standard deviations */
+    double *fn_min, *fn_max;  /* N: stated 90 % interval */
+    double *fn_low, *fn_high; /* N: exact range over all admissible states */
+    uint32_t *status;         /* enum contact_status */
+};
+extern const struct table_kind CONTACT_FORCES;
+
+struct residuals {
+    size_t count;
+    double *residual_x, *residual_y; /* N: unbalanced force on each grain */
+    double *residual_m;              /* N m */
+};
+extern const struct table_kind RESIDUALS;
+
+/* One group /forces/METHOD. */
+struct forces {
+    char method[NAME_LENGTH]; /* "cem" "qsm" "cdm" "map" "series"; truth: "dem" */
+    char start[NAME_LENGTH];  /* how it was started */
+    struct contact_forces contact;
+    struct residuals residual;
+    int iterations;
+    int converged;
+    double imbalance;    /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
+    double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
+    double kn, kt;       /* N/m, as used; NaN when not used */
+    double mu;
+};
+
+void forces_free(struct forces *forces); /* accepts a zeroed struct */
+
+#endif

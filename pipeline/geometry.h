@@ -1,0 +1,67 @@
+/* Small plane vectors and the frame of a contact (theory.md section 1): the normal n points from i to j, the tangent
+ * t is n turned by +90 degrees, counter-clockwise is positive, y is up. */
+#ifndef PIPELINE_GEOMETRY_H
+#define PIPELINE_GEOMETRY_H
+
+#include <math.h>
+
+struct vec {
+    double x, y;
+};
+
+static inline struct vec vec(double x, double y)
+{
+    return (struct vec){x, y};
+}
+
+static inline struct vec vec_add(struct vec a, struct vec b)
+{
+    return vec(a.x + b.x, a.y + b.y);
+}
+
+static inline struct vec vec_sub(struct vec a, struct vec b)
+{
+    return vec(a.x - b.x, a.y - b.y);
+}
+
+static inline struct vec vec_scale(double s, struct vec a)
+{
+    return vec(s * a.x, s * a.y);
+}
+
+static inline double vec_dot(struct vec a, struct vec b)
+{
+    return a.x * b.x + a.y * b.y;
+}
+
+/* The z component of a x b. */
+static inline double vec_cross(struct vec a, struct vec b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+static inline double vec_norm(struct vec a)
+{
+    return hypot(a.x, a.y);
+}
+
+/* a turned by +90 degrees. */
+static inline struct vec vec_turn(struct vec a)
+{
+    return vec(-a.y, a.x);
+}
+
+static inline struct vec vec_rotate(struct vec a, double angle)
+{
+    double c = cos(angle), s = sin(angle);
+    return vec(c * a.x - s * a.y, s * a.x + c * a.y);
+}
+
+/* a / |a|; the zero vector stays zero. */
+static inline struct vec vec_unit(struct vec a)
+{
+    double norm = vec_norm(a);
+    return norm > 0 ? vec_scale(1 / norm, a) : a;
+}
+
+#endif

@@ -1,0 +1,39 @@
+/* A photo: 16-bit grey pixels in memory. 8-bit files are kept at their own values (0-255), see `bits`. */
+#ifndef PIPELINE_PHOTO_H
+#define PIPELINE_PHOTO_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct photo {
+    int width, height;
+    int bits;         /* per sample in the file: 8 or 16 */
+    uint16_t *pixels; /* row-major, width * height */
+};
+
+enum photo_channel { PHOTO_GREY_ONLY, PHOTO_RED, PHOTO_GREEN, PHOTO_BLUE, PHOTO_GREY_OF_RGB };
+
+/* What the reader accepts. */
+struct photo_request {
+    int width, height;          /* 0: any; else another size is an error */
+    enum photo_channel channel; /* PHOTO_GREY_ONLY: an RGB file is an error that names the scene's key photos.channel;
+                                   PHOTO_GREY_OF_RGB: (299 R + 587 G + 114 B + 500) / 1000 */
+    size_t max_pixels;          /* 0: PHOTO_MAX_PIXELS */
+};
+#define PHOTO_MAX_PIXELS ((size_t)1 << 30)
+
+/* Read page 1 of a TIFF: 8- or 16-bit grey (MinIsBlack or MinIsWhite, the latter inverted) or RGB as requested; strips
+ * or tiles; none, LZW or Deflate with or without predictor; both byte orders; BigTIFF. Everything else, more than one
+ * page, a short strip: an error before the pixels are allocated where the header tells, status EXIT_INPUT. */
+int photo_read(const char *path, const struct photo_request *request, struct photo *photo);
+/* 16-bit grey TIFF, Deflate with horizontal predictor, atomically (temporary, fsync, rename); byte-identical reruns. */
+int photo_write(const char *path, const struct photo *photo);
+int photo_alloc(struct photo *photo, int width, int height);
+void photo_free(struct photo *photo); /* accepts a zeroed struct */
+
+static inline const uint16_t *photo_row(const struct photo *photo, int y)
+{
+    return photo->pixels + (size_t)y * (size_t)photo->width;
+}
+
+#endif
