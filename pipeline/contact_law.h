@@ -22,7 +22,8 @@ double contact_law_normal(const struct contact_law *law, double overlap);
 /* Move (fn, ft) by the relative motion (dun, dut) of theory.md section 1: dfn = -kn dun, dft = -kt dut, then fn >= 0
  * and |ft| <= mu fn. Returns the enum contact_status. */
 int contact_law_advance(const struct contact_law *law, double mu, double dun, double dut, double *fn, double *ft);
-/* Nearest point of the Coulomb wedge fn >= 0, |ft| <= mu fn along ft (vertical projection; tensile: both zero). */
+/* Nearest point of the Coulomb wedge fn >= 0, |ft| <= mu fn along ft (vertical projection; tensile: both zero).
+ * A missing number makes both NaN and the status STATUS_NOT_USED. */
 int coulomb_clip(double mu, double *fn, double *ft);
 
 #endif
