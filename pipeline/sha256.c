@@ -1,0 +1,39 @@
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <openssl/evp.h>
+
+#include "pipeline/error.h"
+#include "pipeline/state.h"
+
+static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest[32])
+{
+    unsigned char block[1 << 16];
+    size_t length;
+    if (!context || !EVP_DigestInit_ex(context, EVP_sha256(), NULL))
+        return error_memory("SHA-256");
+    while ((length = fread(block, 1, sizeof block, stream)) > 0)
+        if (!EVP_DigestUpdate(context, block, length))
+            return error_failed("SHA-256 failed");
+    if (ferror(stream))
+        return error_input("cannot be read: %s: check the file", strerror(errno));
+    return EVP_DigestFinal_ex(context, digest, NULL) ? 0 : error_failed("SHA-256 failed");
+}
+
+int file_sha256(const char *path, char text[65])
+{
+    unsigned char digest[32] = {0};
+    FILE *stream = fopen(path, "rbe");
+    if (!stream)
+        return error_input("%s: cannot be opened: %s: check the path", path, strerror(errno));
+    EVP_MD_CTX *context = EVP_MD_CTX_new();
+    int failed = digest_stream(stream, context, digest);
+    EVP_MD_CTX_free(context);
+    fclose(stream);
+    if (failed)
+        return error_context("%s", path);
+    for (int k = 0; k < 32; k++)
+        snprintf(text + 2 * k, 3, "%02x", digest[k]);
+    return 0;
+}
