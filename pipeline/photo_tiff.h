@@ -1,0 +1,16 @@
+/* How this program talks to libtiff: per-handle messages that print nothing, bounded allocations. Private to
+ * pipeline/. */
+#ifndef PIPELINE_PHOTO_TIFF_H
+#define PIPELINE_PHOTO_TIFF_H
+
+#include <tiffio.h>
+
+struct tiff_messages {
+    char error[256]; /* the first one; "" when there was none */
+};
+
+/* Open with libtiff's mode; NULL on failure, messages->error then says why. Allocations above max_alloc bytes made by
+ * libtiff on its own behalf fail. */
+TIFF *tiff_open(const char *path, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages);
+
+#endif
