@@ -1,0 +1,13 @@
+/* The subcommands of `calibration`: each parses its own options and returns what cli_finish() gives. */
+#ifndef CALIBRATION_COMMANDS_H
+#define CALIBRATION_COMMANDS_H
+
+#include <cjson/cJSON.h>
+
+int command_friction(int argc, char **argv);
+int command_hertz(int argc, char **argv);
+
+/* Write a calibration file (JSON, doubles with 17 digits) whole or not at all; takes the object. */
+int calibration_write(const char *path, cJSON *object);
+
+#endif

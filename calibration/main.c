@@ -1,0 +1,42 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "calibration/commands.h"
+#include "pipeline/error.h"
+
+static const struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *what;
+} commands[] = {
+    {"friction", command_friction, "friction between grains from three-rod tests"},
+    {"hertz", command_hertz, "grain moduli from packing moduli, closed form"},
+};
+
+static void print_help(FILE *out)
+{
+    fputs("Usage: calibration COMMAND [OPTION...]\n"
+          "What a scene must know about the grains and the camera, from experiments.\n\n",
+          out);
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+        fprintf(out, "  %-10s %s\n", commands[k].name, commands[k].what);
+    fputs("\n'calibration COMMAND --help' teaches one command.\n", out);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1 && !strcmp(argv[1], "--help")) {
+        print_help(stdout);
+        return EXIT_DONE;
+    }
+    if (argc > 1 && !strcmp(argv[1], "--version")) {
+        puts("calibration (film) " FILM_VERSION);
+        return EXIT_DONE;
+    }
+    for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
+        if (!strcmp(argv[1], commands[k].name))
+            return commands[k].run(argc - 1, argv + 1);
+    fprintf(stderr, "calibration: %s: 'calibration --help' lists the commands\n",
+            argc > 1 ? "there is no such command" : "which command?");
+    return EXIT_USAGE;
+}
