@@ -1,0 +1,163 @@
+/* What every program says and with which status it ends, seen from outside: the program `speaker` is run. */
+#include "tests/check.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define SPEAKER FILM_BINARY_DIR "/tests/speaker"
+static const char good[] = SPEAKER " --scene s.json -o out ";
+
+static char out[4000], err[4000];
+
+static void read_back(const char *name, char *text, size_t size)
+{
+    FILE *file = fopen(name, "r");
+    assert_non_null(file);
+    size_t n = fread(text, 1, size - 1, file);
+    text[n] = '\0';
+    fclose(file);
+    unlink(name);
+}
+
+/* Run a shell command; its exit status, and what it wrote in `out` and `err`. */
+static int run(const char *command, const char *arguments)
+{
+    char line[1000];
+    snprintf(line, sizeof line, "%s %s >test_cli.out.tmp 2>test_cli.err.tmp", command, arguments);
+    int status = system(line);
+    read_back("test_cli.out.tmp", out, sizeof out);
+    read_back("test_cli.err.tmp", err, sizeof err);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static int lines(const char *text)
+{
+    int count = 0;
+    for (; *text; text++)
+        count += *text == '\n';
+    return count;
+}
+
+static void help_and_version_are_data(void **state)
+{
+    (void)state;
+    assert_int_equal(run(SPEAKER, "--help"), 0);
+    assert_string_equal(err, "");
+    static const char *const expected[] = {"Usage: speaker",  "--scene",       "--output", "--threads",
+                                           "Common options:", "--max-flagged", "--size",   "(default 0.05)"};
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+        assert_non_null(strstr(out, expected[k]));
+    assert_int_equal(run(SPEAKER, "--version"), 0);
+    assert_string_equal(out, "speaker (film) " FILM_VERSION "\n");
+    assert_string_equal(err, "");
+}
+
+static void a_good_command_line(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--size 2e-1 --colour green a b --threads 2"), 0);
+    assert_string_equal(out, "size=0.2 colour=1 threads=2 inputs=2\n");
+    assert_string_equal(err, "");
+}
+
+static void check_usage(const char *command, const char *arguments, const char *expected)
+{
+    int status = run(command, arguments);
+    if (status != 2 || !strstr(err, expected))
+        print_error("%s %s: status %d: %s", command, arguments, status, err);
+    assert_int_equal(status, 2);
+    assert_string_equal(out, "");
+    assert_non_null(strstr(err, expected));
+    assert_int_equal(strncmp(err, "speaker: ", 9), 0); /* the base name only */
+}
+
+static void a_wrong_command_line_is_2(void **state)
+{
+    (void)state;
+    check_usage(SPEAKER, "-o out", "Give --scene");
+    check_usage(SPEAKER, "--scene s.json", "Give -o OUT");
+    check_usage(good, "--nonsense", "unrecognized option");
+    check_usage(good, "--size", "requires an argument");
+    check_usage(good, "--size ten", "--size ten: give a number");
+    check_usage(good, "--size 0x1p3", "give a number");
+    check_usage(good, "--size nan", "give a number");
+    check_usage(good, "--size 11", "--size 11: give a number from 0 to 10");
+    check_usage(good, "--colour blue", "--colour blue: give one of: red, green");
+    check_usage(good, "--threads 1.5", "give a whole number");
+    check_usage(good, "--threads -1", "from 0 to 4096");
+    check_usage(good, "--max-flagged 2", "from 0 to 1");
+}
+
+static void a_failure_is_one_line(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--work input"), 3);
+    assert_string_equal(err, "speaker: a.tif: two?lines: do this\n");
+    assert_string_equal(out, "");
+    assert_int_equal(run(good, "--work memory"), 1);
+    assert_int_equal(lines(err), 1);
+    assert_int_equal(run(good, "--log no-such-folder/log"), 1);
+    assert_int_equal(lines(err), 1);
+    assert_non_null(strstr(err, "no-such-folder/log"));
+    /* Standard output that cannot be written is a failure too. */
+    assert_int_equal(run("sh -c '" SPEAKER " --scene s -o o >/dev/full'", ""), 1);
+    assert_int_equal(lines(err), 1);
+}
+
+static void many_flags_are_4(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--work flag"), 4); /* 6 of 100, default 0.05 */
+    assert_int_equal(lines(err), 1);
+    assert_non_null(strstr(err, "6 of 100 grains are flagged"));
+    assert_int_equal(run(good, "--work flag --max-flagged 0.06"), 0);
+    assert_string_equal(err, "");
+}
+
+static void the_log_is_json(void **state)
+{
+    (void)state;
+    char log[2000];
+    assert_int_equal(run(good, "--work log --log test_cli.log.tmp"), 0);
+    read_back("test_cli.log.tmp", log, sizeof log);
+    static const char first[] = "{\"event\":\"step\",\"third\":0.33333333333333331,\"missing\":null}\n";
+    assert_int_equal(strncmp(log, first, strlen(first)), 0);
+    assert_int_equal(lines(log), 2);
+    assert_non_null(strstr(log, "{\"event\":\"finish\",\"status\":0,\"cpu_s\":"));
+    assert_non_null(strstr(log, "\"peak_memory_bytes\":"));
+    assert_int_equal(run(good, "--log /dev/full"), 1);
+    assert_int_equal(lines(err), 1);
+}
+
+/* The bar is for people at a terminal: `script` gives the program one. */
+static void the_bar_needs_a_terminal(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--work count"), 0);
+    assert_string_equal(out, "counted 200\n");
+    assert_string_equal(err, "");
+    if (system("command -v script >/dev/null"))
+        return;
+    assert_int_equal(run("script -qec '" SPEAKER " --scene s -o o --work count' /dev/null </dev/null", ""), 0);
+    assert_non_null(strstr(out, "counting ["));
+    assert_non_null(strstr(out, " of 200"));
+    assert_non_null(strstr(out, "\r\033[K")); /* and is wiped away */
+    assert_non_null(strstr(out, "counted 200"));
+    assert_int_equal(run("script -qec '" SPEAKER " --scene s -o o --quiet --work count' /dev/null </dev/null", ""), 0);
+    assert_null(strstr(out, "counting ["));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_and_version_are_data), cmocka_unit_test(a_good_command_line),
+        cmocka_unit_test(a_wrong_command_line_is_2), cmocka_unit_test(a_failure_is_one_line),
+        cmocka_unit_test(many_flags_are_4),          cmocka_unit_test(the_log_is_json),
+        cmocka_unit_test(the_bar_needs_a_terminal),
+    };
+    return cmocka_run_group_tests_name("cli", tests, NULL, NULL);
+}
