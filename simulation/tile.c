@@ -1,0 +1,95 @@
+#include "simulation/tile.h"
+
+#include <stdlib.h>
+
+#include "pipeline/error.h"
+
+int tile_alloc(struct tile *tile, int margin)
+{
+    *tile = (struct tile){.margin = margin};
+    tile->width = tile->height = CELLS * (TILE_PIXELS + 2 * margin);
+    size_t cells = (size_t)tile->width * (size_t)tile->height;
+    float *block = malloc(6 * cells * sizeof *block);
+    if (!block)
+        return error_memory("a tile of the photo");
+    tile->x = block;
+    tile->y = block + cells;
+    tile->value = block + 2 * cells;
+    tile->cover = block + 3 * cells;
+    tile->layer = block + 4 * cells;
+    tile->back = block + 5 * cells;
+    return 0;
+}
+
+void tile_free(struct tile *tile)
+{
+    free(tile->x);
+    *tile = (struct tile){0};
+}
+
+/* Photo position of a cell's middle. */
+static struct vec cell_seen(const struct tile *tile, double i, double j)
+{
+    return vec(tile->pixel_x - tile->margin - 0.5 + (i + 0.5) / CELLS,
+               tile->pixel_y - tile->margin - 0.5 + (j + 0.5) / CELLS);
+}
+
+/* The affine map that tile_window() uses: from central differences about the middle. */
+static void set_affine(struct tile *tile, const struct camera *camera)
+{
+    double i = 0.5 * (tile->width - 1), j = 0.5 * (tile->height - 1);
+    struct vec east = camera_corrected(camera, cell_seen(tile, i + 1, j)),
+               west = camera_corrected(camera, cell_seen(tile, i - 1, j));
+    struct vec south = camera_corrected(camera, cell_seen(tile, i, j + 1)),
+               north = camera_corrected(camera, cell_seen(tile, i, j - 1));
+    struct vec a = vec_scale(0.5, vec_sub(east, west)), b = vec_scale(0.5, vec_sub(south, north));
+    double determinant = vec_cross(a, b);
+    tile->cell = sqrt(fabs(determinant));
+    tile->to_cell[0][0] = b.y / determinant;
+    tile->to_cell[0][1] = -b.x / determinant;
+    tile->to_cell[1][0] = -a.y / determinant;
+    tile->to_cell[1][1] = a.x / determinant;
+    tile->bend = 0;
+}
+
+void tile_begin(struct tile *tile, const struct camera *camera, int pixel_x, int pixel_y)
+{
+    tile->pixel_x = pixel_x;
+    tile->pixel_y = pixel_y;
+    struct vec middle = camera_corrected(camera, cell_seen(tile, 0.5 * (tile->width - 1), 0.5 * (tile->height - 1)));
+    tile->origin_x = middle.x;
+    tile->origin_y = middle.y;
+    set_affine(tile, camera);
+    for (int j = 0; j < tile->height; j++)
+        for (int i = 0; i < tile->width; i++) {
+            size_t at = (size_t)j * (size_t)tile->width + (size_t)i;
+            struct vec p = vec_sub(camera_corrected(camera, cell_seen(tile, i, j)), middle);
+            double ci = 0.5 * (tile->width - 1) + tile->to_cell[0][0] * p.x + tile->to_cell[0][1] * p.y;
+            double cj = 0.5 * (tile->height - 1) + tile->to_cell[1][0] * p.x + tile->to_cell[1][1] * p.y;
+            tile->bend = fmax(tile->bend, hypot(ci - i, cj - j));
+            tile->x[at] = (float)p.x;
+            tile->y[at] = (float)p.y;
+            tile->value[at] = tile->cover[at] = 0;
+        }
+}
+
+/* floor and ceiling cut to a range, safe for any finite number. */
+static int cut(double value, int most)
+{
+    return value <= 0 ? 0 : value >= most ? most : (int)value;
+}
+
+struct window tile_window(const struct tile *tile, double x, double y, double radius)
+{
+    double dx = x - tile->origin_x, dy = y - tile->origin_y;
+    double i = 0.5 * (tile->width - 1) + tile->to_cell[0][0] * dx + tile->to_cell[0][1] * dy;
+    double j = 0.5 * (tile->height - 1) + tile->to_cell[1][0] * dx + tile->to_cell[1][1] * dy;
+    double reach = radius / tile->cell * (1 + 0.01 * (tile->bend > 0)) + 2 + tile->bend;
+    return (struct window){cut(ceil(i - reach), tile->width), cut(ceil(j - reach), tile->height),
+                           cut(floor(i + reach) + 1, tile->width), cut(floor(j + reach) + 1, tile->height)};
+}
+
+struct window tile_whole(const struct tile *tile)
+{
+    return (struct window){0, 0, tile->width, tile->height};
+}
