@@ -10,8 +10,10 @@
 void stress_weber(const struct packing *packing, const double *fn, const double *ft, double area, double sigma[2][2]);
 /* Area of the specimen: between the walls when all four are there, else of the convex hull of the rims; m2. */
 double packing_area(const struct packing *packing);
-/* Stress that the wall loads apply, from fx, fy: sigma_ab = -(1/V) sum_w F_a x_b over the walls' middles, symmetric
- * part on the diagonal; NaN where a load is not known. */
+/* Stress that the loads on walls and grains apply: sigma_ab = -(1/V) sum F_a x_b over the walls' middles and the
+ * grains' centres, its shear part made symmetric; equal to Weber's stress in equilibrium between upright walls without
+ * friction. One wall per axis may lack its load: its reaction follows from the balance of forces. NaN in xx (yy) and
+ * in the shear part when two walls along x (y) lack theirs. */
 void stress_applied(const struct packing *packing, double area, double sigma[2][2]);
 
 struct fabric {
