@@ -131,6 +131,11 @@ static void paint_rings(const struct optics *optics, struct tile *tile, struct w
         }
 }
 
+static float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
 /* Cut the layer to the face's rim r(phi) = radius + c cos 2(phi - angle) + s sin 2(phi - angle), darken the bevel, and
  * add what no earlier grain hides. Touching faces share a cell exactly: shares add up to at most 1. */
 static void lay_face(const struct optics *optics, struct tile *tile, struct window w, const struct face *face)
@@ -147,8 +152,8 @@ static void lay_face(const struct optics *optics, struct tile *tile, struct wind
             float dx = tile->x[start + (size_t)i] - x, dy = y - tile->y[start + (size_t)i];
             float square = dx * dx + dy * dy + 1e-12f, distance = sqrtf(square);
             float rim = radius + (a * (dx * dx - dy * dy) + b * 2 * dx * dy) / square;
-            float share = fminf(coverage((rim - distance) * per_cell), 1 - tile->cover[start + (size_t)i]);
-            float dark = fminf(fmaxf(1 - (rim - distance) * per_width, 0), 1);
+            float share = least(coverage((rim - distance) * per_cell), 1 - tile->cover[start + (size_t)i]);
+            float dark = least(1 - least((rim - distance) * per_width, 1), 1);
             float light = tile->layer[start + (size_t)i] * (1 - depth * dark);
             tile->value[start + (size_t)i] += share * light;
             tile->cover[start + (size_t)i] += share;

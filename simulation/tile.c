@@ -1,6 +1,7 @@
 #include "simulation/tile.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "pipeline/error.h"
 
@@ -52,6 +53,23 @@ static void set_affine(struct tile *tile, const struct camera *camera)
     tile->bend = 0;
 }
 
+/* Scene positions of a camera without a lens: one affine map for the whole tile. */
+static void fill_affine(struct tile *tile, const struct camera *camera, struct vec middle)
+{
+    struct vec first = vec_sub(camera_corrected(camera, cell_seen(tile, 0, 0)), middle);
+    struct vec east = vec_sub(vec_sub(camera_corrected(camera, cell_seen(tile, tile->width, 0)), middle), first);
+    struct vec south = vec_sub(vec_sub(camera_corrected(camera, cell_seen(tile, 0, tile->height)), middle), first);
+    for (int j = 0; j < tile->height; j++) {
+        struct vec start = vec_add(first, vec_scale((double)j / tile->height, south));
+        float *restrict x = tile->x + (size_t)j * (size_t)tile->width, *restrict y = tile->y + (x - tile->x);
+        for (int i = 0; i < tile->width; i++) {
+            double part = (double)i / tile->width;
+            x[i] = (float)(start.x + part * east.x);
+            y[i] = (float)(start.y + part * east.y);
+        }
+    }
+}
+
 void tile_begin(struct tile *tile, const struct camera *camera, int pixel_x, int pixel_y)
 {
     tile->pixel_x = pixel_x;
@@ -60,17 +78,10 @@ void tile_begin(struct tile *tile, const struct camera *camera, int pixel_x, int
     tile->origin_x = middle.x;
     tile->origin_y = middle.y;
     set_affine(tile, camera);
-    for (int j = 0; j < tile->height; j++)
-        for (int i = 0; i < tile->width; i++) {
-            size_t at = (size_t)j * (size_t)tile->width + (size_t)i;
-            struct vec p = vec_sub(camera_corrected(camera, cell_seen(tile, i, j)), middle);
-            double ci = 0.5 * (tile->width - 1) + tile->to_cell[0][0] * p.x + tile->to_cell[0][1] * p.y;
-            double cj = 0.5 * (tile->height - 1) + tile->to_cell[1][0] * p.x + tile->to_cell[1][1] * p.y;
-            tile->bend = fmax(tile->bend, hypot(ci - i, cj - j));
-            tile->x[at] = (float)p.x;
-            tile->y[at] = (float)p.y;
-            tile->value[at] = tile->cover[at] = 0;
-        }
+    fill_affine(tile, camera, middle);
+    size_t bytes = (size_t)tile->width * (size_t)tile->height * sizeof *tile->value;
+    memset(tile->value, 0, bytes);
+    memset(tile->cover, 0, bytes);
 }
 
 /* floor and ceiling cut to a range, safe for any finite number. */

@@ -44,11 +44,11 @@ static inline struct pose pose_of(double x, double y, double angle)
 }
 
 /* Share of a cell inside an edge whose signed distance is d cells (positive inside): the integral of the cubic
- * B-spline. Between -2 and 2 cells; no branches, so that compilers vectorise it. */
+ * B-spline. Between -2 and 2 cells; no branches and no fmaxf(), so that compilers vectorise it. */
 static inline float coverage(float d)
 {
-    float a = fabsf(d), p = fmaxf(2 - a, 0), q = fmaxf(1 - a, 0);
-    float tail = (p * p * p * p - 4 * (q * q * q * q)) * (1.0f / 24);
+    float a = fabsf(d), p = 2 - a > 0 ? 2 - a : 0, q = 1 - a > 0 ? 1 - a : 0;
+    float p2 = p * p, q2 = q * q, tail = (p2 * p2 - 4 * (q2 * q2)) * (1.0f / 24);
     return d > 0 ? 1 - tail : tail;
 }
 
