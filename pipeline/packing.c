@@ -225,7 +225,7 @@ int packing_write(const char *path, const struct packing *packing, const struct 
     if (!writer)
         return -1;
     int result = state_write(writer, "grains", &GRAINS, &packing->grains) ||
-                 state_write(writer, "walls", &WALLS, &packing->walls) ||
+                 (packing->walls.name && state_write(writer, "walls", &WALLS, &packing->walls)) ||
                  state_write(writer, "contacts", &CONTACTS, &packing->contacts);
     for (size_t f = 0; f < packing->force_count && !result; f++)
         result = write_method(writer, &packing->forces[f]);
