@@ -1,0 +1,58 @@
+#include "contacts/files.h"
+
+#include <string.h>
+
+#include "pipeline/error.h"
+
+int photo_state_read(const char *path, struct photo_state *state)
+{
+    static const char *const grain_columns[] = {"x_px", "y_px", "radius_px", "flags", NULL};
+    static const char *const patch_columns[] = {"kind", "name", "x_px", "y_px", "dx_px", "dy_px", "flags", NULL};
+    struct state *file = state_open(path);
+    *state = (struct photo_state){0};
+    if (!file)
+        return -1;
+    int status = state_read_info(file, &state->info);
+    if (status == 0)
+        status = state_read(file, "grains", &PHOTO_GRAINS, grain_columns, &state->grains);
+    if (status == 0 && state_has(file, "patches"))
+        status = state_read(file, "patches", &PATCHES, patch_columns, &state->patches);
+    state_close(file);
+    if (status == 0 && strcmp(state->info.coordinates, "seen") && strcmp(state->info.coordinates, "corrected"))
+        status = error_input("%s: coordinates are \"%s\", not those of a photo: give a file of findgrains or tracker",
+                             path, state->info.coordinates);
+    if (status)
+        photo_state_free(state);
+    return status;
+}
+
+void photo_state_free(struct photo_state *state)
+{
+    table_free(&PHOTO_GRAINS, &state->grains);
+    table_free(&PATCHES, &state->patches);
+    state_info_free(&state->info);
+    *state = (struct photo_state){0};
+}
+
+int photo_state_is_reference(const struct photo_state *state, const struct scene *scene)
+{
+    if (scene->photos.given && state->info.index >= 0)
+        return state->info.index == scene->photos.reference;
+    return state->grains.x_ref_px == NULL;
+}
+
+char *contact_options_text(const struct contact_options *options)
+{
+    cJSON *object = cJSON_CreateObject();
+    char *text = NULL;
+    if (object && cJSON_AddNumberToObject(object, "radius_scale", options->radius_scale) &&
+        cJSON_AddNumberToObject(object, "radius_offset_px", options->radius_offset_px) &&
+        cJSON_AddNumberToObject(object, "candidate_sigmas", options->candidate_sigmas) &&
+        cJSON_AddNumberToObject(object, "frame_error_px", options->frame_error_px) &&
+        (!isfinite(options->tolerance_px) || cJSON_AddNumberToObject(object, "tolerance_px", options->tolerance_px)))
+        text = json_print(object);
+    cJSON_Delete(object);
+    if (!text)
+        error_set(EXIT_FAILED, "out of memory: options: use a machine with more memory");
+    return text;
+}

@@ -1,0 +1,22 @@
+/* What contacts reads and says about itself in its file. */
+#ifndef CONTACTS_FILES_H
+#define CONTACTS_FILES_H
+
+#include "contacts/find_contacts.h"
+
+/* The photo side of one state. */
+struct photo_state {
+    struct photo_grains grains;
+    struct patches patches;
+    struct state_info info;
+};
+
+int photo_state_read(const char *path, struct photo_state *state);
+void photo_state_free(struct photo_state *state); /* accepts a zeroed struct */
+/* Is this the reference photo of the scene (or the only photo)? */
+int photo_state_is_reference(const struct photo_state *state, const struct scene *scene);
+
+/* The options as the JSON text of the attribute `parameters`, to be freed. */
+char *contact_options_text(const struct contact_options *options);
+
+#endif

@@ -1,0 +1,272 @@
+#include "contacts/find_contacts.h"
+
+#include <stdlib.h>
+
+#include "contacts/candidates.h"
+#include "contacts/frame.h"
+#include "contacts/motion.h"
+#include "contacts/si_grains.h"
+#include "contacts/stability.h"
+#include "pipeline/error.h"
+
+/* What one run holds between its steps. */
+struct search {
+    const struct contact_input *input;
+    const struct contact_options *options;
+    struct packing *packing;
+    struct vec *reference; /* positions in the reference; NULL: this is it, or unknown */
+    struct pairs pairs;
+    struct pair_statistics statistics;
+    struct frame frame;
+};
+
+static void search_free(struct search *search)
+{
+    free(search->reference);
+    pairs_free(&search->pairs);
+    frame_free(&search->frame);
+}
+
+static int check_input(const struct contact_input *input, const struct contact_options *options)
+{
+    const struct packing *previous = input->previous;
+    if (input->scene->lens)
+        return error_input("%s: contacts cannot undo a lens yet: leave out \"lens\"", input->scene->path);
+    if (previous && previous->grains.count != input->grains->count)
+        return error_input("the previous state has %zu grains, this one %zu: give the state of the same series",
+                           previous->grains.count, input->grains->count);
+    if (!(options->radius_scale > 0) || !(options->candidate_sigmas >= 0) || !(options->frame_error_px >= 0))
+        return error_input("radius scale, candidate range and frame error must not be negative");
+    return 0;
+}
+
+/* The largest gap that the user calls a contact, m; 0 without a tolerance. */
+static double tolerance_of(const struct search *search)
+{
+    double tolerance = search->options->tolerance_px * search->input->scene->scale;
+    return tolerance > 0 ? tolerance : 0;
+}
+
+/* Keep what overlaps, and what may. */
+static int is_contact(const struct search *search, const struct pair *pair, double probability)
+{
+    double tolerance = search->options->tolerance_px;
+    if (isfinite(tolerance))
+        return pair->overlap > -tolerance * search->input->scene->scale;
+    return probability > 0.5;
+}
+
+static size_t keep_likely(struct search *search)
+{
+    size_t kept = 0;
+    for (size_t p = 0; p < search->pairs.count; p++) {
+        struct pair pair = search->pairs.pair[p];
+        double probability = pair_probability(&search->statistics, pair.overlap, pair.s_overlap);
+        if (is_contact(search, &pair, probability) ||
+            pair.overlap > -search->options->candidate_sigmas * pair.s_overlap)
+            search->pairs.pair[kept++] = pair;
+    }
+    return search->pairs.count = kept;
+}
+
+static int fill_contacts(struct search *search)
+{
+    struct contacts *contacts = &search->packing->contacts;
+    size_t grains = search->packing->grains.count;
+    if (table_alloc(&CONTACTS, contacts, keep_likely(search), NULL))
+        return -1;
+    for (size_t c = 0; c < contacts->count; c++) {
+        const struct pair *pair = &search->pairs.pair[c];
+        contacts->i[c] = pair->i;
+        contacts->j[c] = pair->j;
+        contacts->nx[c] = pair->n.x;
+        contacts->ny[c] = pair->n.y;
+        contacts->x[c] = pair->at.x;
+        contacts->y[c] = pair->at.y;
+        contacts->overlap[c] = pair->overlap;
+        contacts->s_overlap[c] = pair->s_overlap;
+        contacts->probability[c] = pair_probability(&search->statistics, pair->overlap, pair->s_overlap);
+        contacts->flags[c] = (size_t)pair->j >= grains ? CONTACT_WALL : 0;
+        if (!is_contact(search, pair, contacts->probability[c]))
+            contacts->flags[c] |= CONTACT_CANDIDATE;
+    }
+    return 0;
+}
+
+/* un, ut: motion since the reference, for pairs that may have touched there. */
+static void move_since_reference(struct search *search)
+{
+    struct contacts *contacts = &search->packing->contacts;
+    struct state_before before = {.at = search->reference, .walls = &search->frame.reference};
+    for (size_t w = 0; w < 8; w++)
+        before.s_wall[w] = search->frame.s_motion[w];
+    for (size_t c = 0; c < contacts->count; c++) {
+        const struct pair *pair = &search->pairs.pair[c];
+        if (search->input->is_reference) {
+            contacts->un[c] = contacts->ut[c] = contacts->s_un[c] = contacts->s_ut[c] = 0;
+        } else if (search->reference) {
+            struct contact_motion motion =
+                contact_motion(&search->packing->grains, &search->packing->walls, pair, &before);
+            if (!(motion.overlap_before > -search->options->candidate_sigmas * pair->s_overlap))
+                continue;
+            contacts->un[c] = motion.un;
+            contacts->ut[c] = motion.ut;
+            contacts->s_un[c] = motion.s_un;
+            contacts->s_ut[c] = motion.s_ut;
+        }
+    }
+}
+
+/* Row of pair (i, j) in the previous contacts, whose rows of grain i begin at start[i]; -1: none. */
+static long find_before(const struct contacts *before, const size_t *order, const size_t *start, int64_t i, int64_t j)
+{
+    for (size_t e = start[i]; e < start[i + 1]; e++)
+        if (before->j[order[e]] == j)
+            return (long)order[e];
+    return -1;
+}
+
+/* dun, dut of one contact; a pair that was not in contact before is new. */
+static void move_since_previous(struct search *search, size_t c, long row, const struct state_before *before)
+{
+    struct contacts *contacts = &search->packing->contacts;
+    const struct contacts *old = &search->input->previous->contacts;
+    int candidate = (contacts->flags[c] & CONTACT_CANDIDATE) != 0;
+    if (row < 0 || (!candidate && (old->flags[row] & CONTACT_CANDIDATE))) {
+        contacts->flags[c] |= CONTACT_NEW;
+        return;
+    }
+    struct contact_motion motion =
+        contact_motion(&search->packing->grains, &search->packing->walls, &search->pairs.pair[c], before);
+    contacts->dun[c] = motion.un;
+    contacts->dut[c] = motion.ut;
+    contacts->s_dun[c] = motion.s_un;
+    contacts->s_dut[c] = motion.s_ut;
+}
+
+static int compare_with_previous(struct search *search)
+{
+    const struct packing *previous = search->input->previous;
+    const struct contacts *old = &previous->contacts;
+    size_t grains = previous->grains.count;
+    size_t *start = calloc(grains + 2, sizeof *start), *order = malloc((old->count + 1) * sizeof *order);
+    struct vec *at = malloc((grains + 1) * sizeof *at);
+    if (!start || !order || !at) {
+        free(start);
+        free(order);
+        free(at);
+        return error_memory("previous state");
+    }
+    for (size_t c = 0; c < old->count; c++)
+        start[old->i[c] + 2]++;
+    for (size_t k = 2; k < grains + 2; k++)
+        start[k] += start[k - 1];
+    for (size_t c = 0; c < old->count; c++)
+        order[start[old->i[c] + 1]++] = c;
+    for (size_t k = 0; k < grains; k++)
+        at[k] = vec(previous->grains.x[k], previous->grains.y[k]);
+    struct state_before before = {.at = at,
+                                  .angle = previous->grains.angle,
+                                  .walls = &previous->walls,
+                                  .s_x = previous->grains.s_x,
+                                  .s_y = previous->grains.s_y,
+                                  .s_angle = previous->grains.s_angle};
+    for (size_t w = 0; w < 8; w++)
+        before.s_wall[w] = M_SQRT2 * search->frame.s_motion[w];
+    for (size_t c = 0; c < search->packing->contacts.count; c++) {
+        const struct pair *pair = &search->pairs.pair[c];
+        move_since_previous(search, c, find_before(old, order, start, pair->i, pair->j), &before);
+    }
+    free(start);
+    free(order);
+    free(at);
+    return 0;
+}
+
+static int build(struct search *search)
+{
+    struct packing *packing = search->packing;
+    struct frame_request request = {.scene = search->input->scene,
+                                    .grains = &packing->grains,
+                                    .patches = search->input->patches,
+                                    .statistics = &search->statistics,
+                                    .frame_error_px = search->options->frame_error_px};
+    if (si_grains(search->input, search->options, &packing->grains) ||
+        si_reference(search->input, &search->reference) ||
+        candidates_between_grains(&packing->grains, search->options->candidate_sigmas, tolerance_of(search),
+                                  &search->pairs, &search->statistics))
+        return -1;
+    request.reference = search->reference;
+    if (frame_walls(&request, &search->frame) || table_copy(&WALLS, &packing->walls, &search->frame.now) ||
+        candidates_with_walls(&packing->grains, &packing->walls, fmax(search->statistics.window, tolerance_of(search)),
+                              &search->pairs) ||
+        fill_contacts(search))
+        return -1;
+    move_since_reference(search);
+    if (search->input->previous) {
+        if (search->input->previous->walls.count != packing->walls.count)
+            return error_input("the previous state has %zu walls, this one %zu: give the state of the same series",
+                               search->input->previous->walls.count, packing->walls.count);
+        frame_motion(&packing->walls, &search->input->previous->walls);
+        if (compare_with_previous(search))
+            return -1;
+    }
+    frame_strain(&packing->walls, &search->frame.reference, packing->info.strain);
+    packing->length_m = search->input->scene->grains.length;
+    return stability_flag(packing);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_error(const struct pairs *pairs)
+{
+    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
+    for (size_t p = 0; s && p < pairs->count; p++)
+        s[p] = pairs->pair[p].s_overlap;
+    if (s && pairs->count) {
+        qsort(s, pairs->count, sizeof *s, by_value);
+        value = s[pairs->count / 2];
+    }
+    free(s);
+    return value;
+}
+
+static void summarise(const struct search *search, struct contact_summary *summary)
+{
+    const struct packing *packing = search->packing;
+    double scale = search->input->scene->scale;
+    *summary = (struct contact_summary){.grains = packing->grains.count,
+                                        .mean_overlap_px = search->statistics.overlap / scale,
+                                        .near_gaps_per_px = search->statistics.gaps * scale,
+                                        .s_overlap_px = median_error(&search->pairs) / scale};
+    for (size_t k = 0; k < packing->grains.count; k++) {
+        summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;
+        summary->rattlers += (packing->grains.flags[k] & GRAIN_RATTLER) != 0;
+        summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;
+    }
+    for (size_t c = 0; c < packing->contacts.count; c++) {
+        uint32_t flags = packing->contacts.flags[c];
+        summary->candidates += (flags & CONTACT_CANDIDATE) != 0;
+        summary->contacts += !(flags & CONTACT_CANDIDATE);
+        summary->wall_contacts += (flags & CONTACT_WALL) && !(flags & CONTACT_CANDIDATE);
+    }
+}
+
+int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
+                  struct contact_summary *summary)
+{
+    struct search search = {.input = input, .options = options, .packing = packing};
+    int status = check_input(input, options);
+    if (status == 0)
+        status = build(&search);
+    if (status == 0 && summary)
+        summarise(&search, summary);
+    search_free(&search);
+    if (status)
+        packing_free(packing);
+    return status;
+}

@@ -1,0 +1,47 @@
+/* The contact network of one photo in SI units: grains, walls and every pair that touches or may touch, with its
+ * overlap, its probability and its motion. Photo pixels end here. */
+#ifndef CONTACTS_FIND_CONTACTS_H
+#define CONTACTS_FIND_CONTACTS_H
+
+#include "pipeline/packing.h"
+#include "pipeline/patches.h"
+#include "pipeline/scene.h"
+
+struct contact_options {
+    double radius_scale;     /* every radius times this, */
+    double radius_offset_px; /* plus this */
+    double tolerance_px;     /* NaN: decide by probability; else a contact is what overlaps more than -tolerance */
+    double candidate_sigmas; /* pairs whose overlap is within so many standard errors of zero are kept */
+    double frame_error_px;   /* standard error of the frame's corners in the scene; 0: exact */
+};
+#define CONTACT_OPTIONS_DEFAULT                                                                                        \
+    {                                                                                                                  \
+        .radius_scale = 1, .radius_offset_px = 0, .tolerance_px = NAN, .candidate_sigmas = 4, .frame_error_px = 1      \
+    }
+
+struct contact_input {
+    const struct scene *scene;
+    const struct photo_grains *grains; /* of findgrains or tracker */
+    const struct patches *patches;     /* NULL: none */
+    const struct packing *previous;    /* NULL: none */
+    int is_reference;                  /* this photo is the reference: no motion yet */
+};
+
+/* What was found, for people. */
+struct contact_summary {
+    size_t grains, unusable; /* rows; rows with a number missing: they touch nothing */
+    size_t contacts, wall_contacts, candidates;
+    size_t rattlers, floating;
+    double mean_overlap_px, s_overlap_px; /* of touching pairs; median standard error of an overlap */
+    double near_gaps_per_px;              /* density of pairs just apart, counted over the whole photo */
+};
+
+/* The options of the scene's section "contacts"; what it does not name stays as it is. */
+int contact_options_read(const struct scene *scene, struct contact_options *options);
+
+/* packing must be zeroed; it is left empty on failure. packing->info.strain is the strain between the walls. Loads
+ * are not applied (loads_apply). summary may be NULL. */
+int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
+                  struct contact_summary *summary);
+
+#endif

@@ -1,0 +1,109 @@
+#include "contacts/si_grains.h"
+
+#include <stdlib.h>
+
+#include "pipeline/error.h"
+
+/* One optional photo-side column times a factor into a column of the new table. */
+static int copy_scaled(struct grains *grains, const char *name, double *const *to, const double *from, double factor)
+{
+    if (!from)
+        return 0;
+    if (table_add(&GRAINS, grains, name))
+        return -1;
+    for (size_t k = 0; k < grains->count; k++)
+        (*to)[k] = factor * from[k];
+    return 0;
+}
+
+static int copy_errors(const struct contact_input *input, struct grains *grains)
+{
+    const struct photo_grains *photo = input->grains;
+    double scale = input->scene->scale;
+    /* A file of findgrains holds one photo: its errors are those of the reference positions, nothing has moved. */
+    int tracked = photo->x_ref_px != NULL;
+    const double *s_x_ref = tracked ? photo->s_x_ref : photo->s_x, *s_y_ref = tracked ? photo->s_y_ref : photo->s_y;
+    if (copy_scaled(grains, "s_x_ref", &grains->s_x_ref, s_x_ref, scale) ||
+        copy_scaled(grains, "s_y_ref", &grains->s_y_ref, s_y_ref, scale) ||
+        copy_scaled(grains, "s_radius", &grains->s_radius, photo->s_radius, scale) ||
+        copy_scaled(grains, "shape_c", &grains->shape_c, photo->shape_c, scale) ||
+        copy_scaled(grains, "shape_s", &grains->shape_s, photo->shape_s, scale) ||
+        copy_scaled(grains, "s_shape", &grains->s_shape, photo->s_shape, scale))
+        return -1;
+    return copy_scaled(grains, "s_x", &grains->s_x, photo->s_x, tracked ? scale : 0) ||
+           copy_scaled(grains, "s_y", &grains->s_y, photo->s_y, tracked ? scale : 0) ||
+           copy_scaled(grains, "s_angle", &grains->s_angle, photo->s_angle, tracked ? 1 : 0);
+}
+
+static void set_mass(const struct scene *scene, struct grains *grains)
+{
+    double density = scene->grains.density, length = scene->grains.length;
+    double per_area = isfinite(density) ? density * (isfinite(length) ? length : 1) * M_PI : 1;
+    for (size_t k = 0; k < grains->count; k++) {
+        double r2 = grains->radius[k] * grains->radius[k];
+        grains->mass[k] = per_area * r2;
+        grains->inertia[k] = 0.5 * grains->mass[k] * r2;
+    }
+}
+
+static int set_weight(const struct scene *scene, struct grains *grains)
+{
+    if (scene->gravity.x == 0 && scene->gravity.y == 0)
+        return 0;
+    if (!isfinite(scene->grains.density))
+        return scene_lacks(scene, "grains.density_kg_m3", "contacts needs it for the weight of the grains");
+    if (table_add(&GRAINS, grains, "load_x") || table_add(&GRAINS, grains, "load_y") ||
+        table_add(&GRAINS, grains, "load_m"))
+        return -1;
+    for (size_t k = 0; k < grains->count; k++) {
+        grains->load_x[k] = grains->mass[k] * scene->gravity.x;
+        grains->load_y[k] = grains->mass[k] * scene->gravity.y;
+        grains->load_m[k] = 0;
+    }
+    return 0;
+}
+
+static void place(const struct contact_input *input, const struct contact_options *options, struct grains *grains)
+{
+    const struct photo_grains *photo = input->grains;
+    for (size_t k = 0; k < grains->count; k++) {
+        struct vec at = scene_metres(input->scene, vec(photo->x_px[k], photo->y_px[k]));
+        double radius_px = options->radius_scale * photo->radius_px[k] + options->radius_offset_px;
+        grains->x[k] = at.x;
+        grains->y[k] = at.y;
+        grains->radius[k] = input->scene->scale * radius_px;
+        grains->angle[k] = photo->angle && photo->x_ref_px ? photo->angle[k] : 0;
+        grains->flags[k] = photo->flags ? photo->flags[k] : 0;
+        if (!isfinite(at.x + at.y) || !isfinite(radius_px) || radius_px <= 0)
+            grains->flags[k] |= GRAIN_NOT_FINITE;
+    }
+}
+
+int si_grains(const struct contact_input *input, const struct contact_options *options, struct grains *grains)
+{
+    static const char *const columns[] = {"x", "y", "radius", "angle", "mass", "inertia", "flags", NULL};
+    if (!isfinite(input->scene->scale))
+        return scene_lacks(input->scene, "scale_m_per_px", "contacts needs it to turn pixels into metres");
+    if (table_alloc(&GRAINS, grains, input->grains->count, columns))
+        return -1;
+    place(input, options, grains);
+    set_mass(input->scene, grains);
+    if (copy_errors(input, grains) || set_weight(input->scene, grains)) {
+        table_free(&GRAINS, grains);
+        return -1;
+    }
+    return 0;
+}
+
+int si_reference(const struct contact_input *input, struct vec **reference)
+{
+    const struct photo_grains *photo = input->grains;
+    *reference = NULL;
+    if (!photo->x_ref_px || !photo->y_ref_px || input->is_reference)
+        return 0;
+    if (!(*reference = malloc((photo->count + 1) * sizeof **reference)))
+        return error_memory("reference positions");
+    for (size_t k = 0; k < photo->count; k++)
+        (*reference)[k] = scene_metres(input->scene, vec(photo->x_ref_px[k], photo->y_ref_px[k]));
+    return 0;
+}

@@ -1,0 +1,101 @@
+#include "contacts/stability.h"
+
+#include <stdlib.h>
+
+#include "pipeline/error.h"
+
+/* The contacts of each grain: those of grain k are of[start[k]] .. of[start[k + 1] - 1]. */
+struct incidence {
+    size_t *start, *of;
+    int *held;      /* contacts still there */
+    size_t *peeled; /* grains waiting to be taken away */
+};
+
+static int counts(const struct packing *packing, size_t c)
+{
+    return !(packing->contacts.flags[c] & (CONTACT_CANDIDATE | CONTACT_NOT_FINITE));
+}
+
+static void incidence_free(struct incidence *incidence)
+{
+    free(incidence->start);
+    free(incidence->of);
+    free(incidence->held);
+    free(incidence->peeled);
+}
+
+static int incidence_build(const struct packing *packing, struct incidence *incidence)
+{
+    size_t grains = packing->grains.count, contacts = packing->contacts.count;
+    *incidence = (struct incidence){.start = calloc(grains + 2, sizeof *incidence->start),
+                                    .of = malloc((2 * contacts + 1) * sizeof *incidence->of),
+                                    .held = calloc(grains + 1, sizeof *incidence->held),
+                                    .peeled = malloc((grains + 1) * sizeof *incidence->peeled)};
+    if (!incidence->start || !incidence->of || !incidence->held || !incidence->peeled)
+        return error_memory("contacts of each grain");
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t c = 0; c < contacts; c++) {
+            int64_t ends[2] = {packing->contacts.i[c], packing->contacts.j[c]};
+            for (int e = 0; counts(packing, c) && e < 2; e++) {
+                if ((size_t)ends[e] >= grains)
+                    continue;
+                if (pass == 0) {
+                    incidence->start[ends[e] + 2]++;
+                    incidence->held[ends[e]]++;
+                } else {
+                    incidence->of[incidence->start[ends[e] + 1]++] = c;
+                }
+            }
+        }
+        for (size_t k = 2; pass == 0 && k < grains + 2; k++)
+            incidence->start[k] += incidence->start[k - 1];
+    }
+    return 0;
+}
+
+/* A grain that has not been taken away and does not hold: too few contacts, not fixed, of known position. */
+static int falls(const struct packing *packing, const struct incidence *incidence, size_t k)
+{
+    return incidence->held[k] < 2 && !(packing->grains.flags[k] & (GRAIN_FIXED | GRAIN_RATTLER | GRAIN_NOT_FINITE));
+}
+
+static int is_loaded(const struct grains *grains, size_t k)
+{
+    return column_or_zero(grains->load_x, k) != 0 || column_or_zero(grains->load_y, k) != 0 ||
+           column_or_zero(grains->load_m, k) != 0;
+}
+
+static void take_away(struct packing *packing, struct incidence *incidence, size_t k, size_t *waiting)
+{
+    struct grains *grains = &packing->grains;
+    grains->flags[k] |= is_loaded(grains, k) ? GRAIN_RATTLER | GRAIN_FLOATING : GRAIN_RATTLER;
+    for (size_t e = incidence->start[k]; e < incidence->start[k + 1]; e++) {
+        size_t c = incidence->of[e];
+        int64_t other = packing->contacts.i[c] == (int64_t)k ? packing->contacts.j[c] : packing->contacts.i[c];
+        if ((size_t)other >= grains->count)
+            continue;
+        incidence->held[other]--;
+        if (incidence->held[other] == 1 && falls(packing, incidence, (size_t)other))
+            incidence->peeled[(*waiting)++] = (size_t)other;
+    }
+}
+
+int stability_flag(struct packing *packing)
+{
+    struct incidence incidence;
+    struct grains *grains = &packing->grains;
+    size_t waiting = 0;
+    for (size_t k = 0; k < grains->count; k++)
+        grains->flags[k] &= ~(uint32_t)(GRAIN_RATTLER | GRAIN_FLOATING);
+    if (incidence_build(packing, &incidence)) {
+        incidence_free(&incidence);
+        return -1;
+    }
+    for (size_t k = 0; k < grains->count; k++)
+        if (falls(packing, &incidence, k))
+            incidence.peeled[waiting++] = k;
+    for (size_t next = 0; next < waiting; next++)
+        take_away(packing, &incidence, incidence.peeled[next], &waiting);
+    incidence_free(&incidence);
+    return 0;
+}

@@ -1,0 +1,13 @@
+/* Which grains can carry a force: mechanical checks of the network (theory.md section 1). */
+#ifndef CONTACTS_STABILITY_H
+#define CONTACTS_STABILITY_H
+
+#include "pipeline/packing.h"
+
+/* Peel off grains with fewer than two contacts, again and again, since what they touch loses a contact with them:
+ * these are flagged GRAIN_RATTLER, and GRAIN_FLOATING too when a load (weight) acts on them, because then a contact was
+ * missed. Candidates do not count, contacts with walls and fixed grains do. Grains without a position carry nothing
+ * and are flagged neither way. Old flags of either kind are cleared first. */
+int stability_flag(struct packing *packing);
+
+#endif
