@@ -1,0 +1,12 @@
+/* The part of a scene that a stage's numbers depend on. A series is redone from the first stage whose part changed. */
+#ifndef PIPELINE_SCENE_PART_H
+#define PIPELINE_SCENE_PART_H
+
+#include "pipeline/scene.h"
+
+/* JSON text without spaces, to be freed; NULL with an error. "findgrains" and "tracker" see the photos, the lens, the
+ * drift patches, the frame, the grains' radii and their own section; every other stage sees all but the other
+ * programs' sections. What only says how far the series goes (photos.last) is in no part. */
+char *scene_part(const struct scene *scene, const char *stage);
+
+#endif
