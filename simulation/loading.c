@@ -1,6 +1,7 @@
 #include "simulation/loading.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "pipeline/error.h"
 
@@ -84,17 +85,19 @@ int loading_compress(struct loading *loading)
     }
     servo->fastest = INFINITY;
     int done = relax(loading);
-    if (done < 0 || dem->mu == loading->simulation->law.mu)
-        return done;
-    dem->mu = loading->simulation->law.mu;
-    return relax(loading);
+    if (done >= 0 && dem->mu != loading->simulation->law.mu) {
+        dem->mu = loading->simulation->law.mu;
+        done = relax(loading);
+    }
+    memcpy(loading->size, dem->box.size, sizeof loading->size);
+    return done;
 }
 
 int loading_strain(struct loading *loading, double strain)
 {
     struct dem *dem = &loading->dem;
     struct servo *servo = &loading->servo;
-    double target = dem->box.size[BOX_HEIGHT] * (1 - strain), gone = fabs(dem->box.size[BOX_HEIGHT] - target);
+    double gone = fabs(strain) * loading->size[BOX_HEIGHT];
     long steps = (long)ceil(fabs(strain) / (loading->strain_rate * loading->time_step)) + 1;
     struct stepping stepping = {.dt = loading->time_step};
     servo->hold[BOX_HEIGHT] = HOLD_RATE;

@@ -31,14 +31,13 @@ static double wall_mass(const struct dem *dem)
 static void box_step(struct dem *dem, const struct servo *servo, double dt)
 {
     struct dem_box *box = &dem->box;
-    double mass = wall_mass(dem), stiffness = dem->law.kn * sqrt((double)dem->count);
-    double drag = 0.05 * sqrt(stiffness / mass);
+    double mass = wall_mass(dem);
     for (int f = 0; f < BOX_FREEDOMS; f++) {
-        double scale = f == BOX_SHEAR ? box->size[BOX_HEIGHT] : 1, inertia = mass * scale * scale;
+        double arm = f == BOX_SHEAR ? box->size[BOX_HEIGHT] : 1;
         if (servo->hold[f] == HOLD_STRESS) {
             double force = box->push[f] + servo_load(dem, servo, f);
-            box->rate[f] = (box->rate[f] + dt * force / inertia) / (1 + drag * dt);
             double most = servo->fastest * (f == BOX_SHEAR ? 1 : box->size[f]);
+            box->rate[f] += dt * force / (mass * arm * arm);
             box->rate[f] = fmax(-most, fmin(most, box->rate[f]));
         } else {
             box->rate[f] = servo->hold[f] == HOLD_RATE ? servo->rate[f] : 0;

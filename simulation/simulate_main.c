@@ -1,0 +1,68 @@
+/* simulate: a loading test on a virtual packing. */
+#include <stdlib.h>
+
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+#include "simulation/series_folder.h"
+#include "simulation/simulate_scene.h"
+
+static const char doc[] =
+    "Simulate a loading test on a packing of rods seen from their end: discs with linear springs, dashpots and Coulomb "
+    "friction are compressed between four walls, relaxed to static equilibrium, and strained step by step. Each saved "
+    "state goes into OUT/N.truth.hdf: grains, walls, contacts and the exact contact forces (/forces/dem); the loads "
+    "of the walls go into OUT/loads.csv."
+    "\vThe scene says what to simulate:\n"
+    "  \"grains\": {\"density_kg_m3\": 730, \"length_m\": 0.06},\n"
+    "  \"contact\": {\"law\": \"linear\", \"kn_N_per_m\": 1.09e7, \"mu\": 0.53},\n"
+    "  \"simulation\": {\"grading\": [[52, 0.008], [28, 0.012]], \"kappa\": 200,\n"
+    "                 \"test\": \"biaxial_vertical\", \"steps\": [[4, 1e-3]]}\n"
+    "Example:\n"
+    "  simulate --scene scene.json -o truth\n"
+    "Exit status 4: a state could not be relaxed; it was saved all the same.";
+
+struct options {
+    struct cli cli;
+};
+
+static error_t parse(int key, char *argument, struct argp_state *state)
+{
+    (void)argument;
+    struct options *options = state->input;
+    if (key == ARGP_KEY_INIT)
+        state->child_inputs[0] = &options->cli;
+    return key == ARGP_KEY_INIT ? 0 : ARGP_ERR_UNKNOWN;
+}
+
+static int run(const struct options *options)
+{
+    struct scene scene = {0};
+    struct simulation_plan plan = {0};
+    struct series_folder folder = {0};
+    char *parameters = NULL;
+    int status = scene_read(options->cli.scene, &scene);
+    if (!status)
+        status = simulation_read(&scene, &plan);
+    if (!status && !(parameters = simulation_parameters(&scene)))
+        status = -1;
+    if (!status)
+        status = series_folder_open(&folder, &scene, parameters, options->cli.output);
+    if (!status && simulate(&plan.simulation, series_folder_save, &folder) < 0)
+        status = -1;
+    if (series_folder_close(&folder))
+        status = -1;
+    if (!status && folder.unrelaxed)
+        status = cli_flagged(&options->cli, folder.unrelaxed, folder.states, "states that did not come to rest");
+    free(parameters);
+    simulation_plan_free(&plan);
+    scene_free(&scene);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {.cli = CLI_DEFAULT};
+    const struct argp_child children[] = {CLI_CHILD, {0}};
+    const struct argp argp = {.parser = parse, .doc = doc, .children = children};
+    cli_parse(&argp, argc, argv, &options);
+    return cli_finish(&options.cli, run(&options));
+}
