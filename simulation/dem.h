@@ -71,9 +71,8 @@ int dem_alloc(struct dem *dem, size_t count);
 void dem_free(struct dem *dem);
 
 /* Damping ratio of a linear spring and dashpot that is never pulled, for a normal restitution e in
- * [DEM_RESTITUTION_MIN, 1]: e = exp(-(pi - 2 a) tan a), ratio = sin a (the contact ends when its force vanishes, not
+ * [0.14, 1]: e = exp(-(pi - 2 a) tan a), ratio = sin a (the contact ends when its force vanishes, not
  * its overlap). */
-#define DEM_RESTITUTION_MIN 0.14
 double dem_damping_ratio(double restitution);
 
 /* Sides from the box's size and rate. */

@@ -8,9 +8,10 @@
 struct loading {
     struct dem dem;
     const struct simulation *simulation;
-    double pressure;    /* N/m */
-    double time_step;   /* s */
-    double strain_rate; /* 1/s, from the inertial number */
+    double pressure;           /* N/m */
+    double time_step;          /* s */
+    double strain_rate;        /* 1/s, from the inertial number */
+    double size[BOX_FREEDOMS]; /* of the box in state 0: strains refer to it */
     struct servo servo;
     long steps;
 };

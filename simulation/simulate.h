@@ -53,6 +53,7 @@ struct simulation {
 #define SIMULATION_DENSITY 730.0
 #define SIMULATION_LENGTH 0.06
 #define SIMULATION_RESTITUTION 0.3
+#define SIMULATION_RESTITUTION_MIN 0.14 /* of a critically damped contact: exp(-2) */
 #define SIMULATION_INERTIAL 1e-3
 #define SIMULATION_TOLERANCE 1e-7
 #define SIMULATION_MAX_STEPS 1000000

@@ -112,7 +112,7 @@ static int read_numbers(const struct scene *scene, const cJSON *section, struct 
         json_integer(json, section, "max_steps", 1, 1000000000, &max_steps) < 0 ||
         json_number(json, section, "aspect", 0.05, 20, &simulation->aspect) < 0 ||
         json_number(json, section, "friction_during_compression", 0, 10, &simulation->preparation_mu) < 0 ||
-        json_number(json, section, "restitution", DEM_RESTITUTION_MIN, 1, &simulation->restitution) < 0 ||
+        json_number(json, section, "restitution", SIMULATION_RESTITUTION_MIN, 1, &simulation->restitution) < 0 ||
         json_number(json, section, "inertial_number", 1e-8, 0.1, &simulation->inertial) < 0 ||
         json_number(json, section, "tolerance", 1e-12, 1e-6, &simulation->tolerance) < 0 ||
         json_choice(json, section, "test", tests, &test) < 0)

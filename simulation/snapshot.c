@@ -75,7 +75,7 @@ static void side_ends(const struct dem_box *box, int side, struct vec *from, str
 /* Load along the normal: what the servo applies; where the wall is held, and along the wall: the reaction. */
 static struct vec side_load(const struct dem *dem, const struct servo *servo, int side)
 {
-    struct vec load = vec_scale(-1, dem->box.side[side].force);
+    struct vec load = vec_sub(vec(0, 0), dem->box.side[side].force);
     if (side == SIDE_RIGHT && servo->hold[BOX_WIDTH] == HOLD_STRESS)
         load.x = servo_load(dem, servo, BOX_WIDTH);
     if (side == SIDE_TOP && servo->hold[BOX_HEIGHT] == HOLD_STRESS && dem->box.size[BOX_SHEAR] == 0)
