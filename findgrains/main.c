@@ -1,0 +1,115 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+#include "pipeline/state.h"
+#include "findgrains/overlay.h"
+#include "findgrains/settings.h"
+
+static const char doc[] =
+    "Find the grains of one photo: centre, radius and (where the rims ask for it) elliptic shape, in pixels, with "
+    "standard errors.\n\nNothing has to be tuned: grey levels, blur and noise are taken from the photo. From the scene "
+    "it "
+    "uses photos.size_px and photos.channel, frame (where grains can be; left out: the whole photo), grains.radius_px "
+    "(left out: estimated) and findgrains.shape (auto, circle or ellipse).\v"
+    "Example: findgrains --scene scene.json --picture 0000.png photos/0000.tif -o 0000.grains.hdf";
+
+struct arguments {
+    struct cli cli;
+    const char *photo, *picture;
+};
+
+static const struct argp_option option_table[] = {
+    {"picture", 'p', "P.png", 0, "Also draw the circles over the photo (flagged ones in red)", 0}, {0}};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &arguments->cli;
+        return 0;
+    case 'p':
+        arguments->picture = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (arguments->photo)
+            argp_error(state, "one photo at a time: '%s' is one too many", text);
+        arguments->photo = text;
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which photo? Give one TIFF file");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int write_file(const struct arguments *arguments, const struct scene *scene, const struct find_options *options,
+                      const struct photo_grains *grains, const struct find_notes *notes)
+{
+    const char *const inputs[] = {scene->path, arguments->photo};
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    char *parameters = settings_print(options), *found = settings_print_notes(notes);
+    int status = -1;
+    provenance.stage = "findgrains";
+    provenance.coordinates = "seen";
+    provenance.parameters = parameters;
+    provenance.input_paths = inputs;
+    provenance.input_count = 2;
+    provenance.index = scene_photo_index(scene, arguments->photo);
+    provenance.time_s = scene_time(scene, (long)provenance.index);
+    struct state_writer *writer = parameters && found ? state_create(arguments->cli.output, &provenance) : NULL;
+    if (writer) {
+        if (state_write(writer, "grains", &PHOTO_GRAINS, grains) || state_write_text(writer, "grains", "found", found))
+            state_discard(writer);
+        else
+            status = state_commit(writer);
+    }
+    free(parameters);
+    free(found);
+    return status;
+}
+
+static int work(const struct arguments *arguments, const struct scene *scene, struct photo *photo,
+                struct photo_grains *grains)
+{
+    struct find_options options;
+    struct find_notes notes;
+    const struct photo_request request = scene_photo_request(scene);
+    if (settings_read(scene, &options) || photo_read(arguments->photo, &request, photo))
+        return -1;
+    if (find_grains(photo, &options, grains, &notes))
+        return error_context("%s", arguments->photo);
+    if (arguments->picture && overlay_write(arguments->picture, photo, grains, &notes))
+        return -1;
+    if (write_file(arguments, scene, &options, grains, &notes))
+        return -1;
+    log_event("findgrains", "grains", (double)grains->count, "flagged", (double)find_count_flagged(grains), "blur_px",
+              notes.blur_px, "noise", notes.noise, "window_px", notes.window_px, NULL);
+    return cli_flagged(&arguments->cli, find_count_flagged(grains), grains->count, "grains");
+}
+
+static int run(const struct arguments *arguments)
+{
+    struct scene scene = {0};
+    struct photo photo = {0};
+    struct photo_grains grains = {0};
+    int status = scene_read(arguments->cli.scene, &scene);
+    if (!status)
+        status = work(arguments, &scene, &photo, &grains);
+    table_free(&PHOTO_GRAINS, &grains);
+    photo_free(&photo);
+    scene_free(&scene);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_child children[] = {CLI_CHILD, {0}};
+    static const struct argp parser = {option_table, parse, "PHOTO.tif", doc, children, NULL, NULL};
+    struct arguments arguments = {.cli = CLI_DEFAULT};
+    cli_parse(&parser, argc, argv, &arguments);
+    return cli_finish(&arguments.cli, run(&arguments));
+}

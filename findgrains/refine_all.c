@@ -1,0 +1,223 @@
+#include "findgrains/refine_all.h"
+
+#include "pipeline/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAMPLE = 160, NEIGHBOURS = 64, LAGS = 8 };
+
+int rims_make(const struct candidates *found, struct rims *rims)
+{
+    *rims = (struct rims){.count = found->count};
+    size_t room = found->count ? found->count : 1;
+    rims->items = calloc(room, sizeof *rims->items);
+    rims->spread = calloc(room, sizeof *rims->spread);
+    if (!rims->items || !rims->spread) {
+        rims_free(rims);
+        return error_memory("list of rims");
+    }
+    for (size_t k = 0; k < found->count; k++) {
+        rims->items[k].rim = found->items[k].rim;
+        rims->spread[k] = found->items[k].spread;
+    }
+    return 0;
+}
+
+void rims_free(struct rims *rims)
+{
+    free(rims->items);
+    free(rims->spread);
+    *rims = (struct rims){0};
+}
+
+/* Rims within `reach` of rim k, in row order. */
+static size_t gather_neighbours(const struct rims *rims, size_t k, double reach, struct rim *others)
+{
+    const struct rim *rim = &rims->items[k].rim;
+    size_t count = 0;
+    for (size_t j = 0; j < rims->count && count < NEIGHBOURS; j++) {
+        const struct rim *other = &rims->items[j].rim;
+        double limit = rim->radius + other->radius + reach, dx = other->x - rim->x, dy = other->y - rim->y;
+        if (j != k && dx * dx + dy * dy < limit * limit)
+            others[count++] = *other;
+    }
+    return count;
+}
+
+/* The same iteration on every `step`-th rim; wide: with the blur of a rough place. Results into `to`. */
+static int iterate(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
+                   int ellipse, const double *blurs, const struct rims *rims, size_t step, struct refined *to)
+{
+    struct error_shared failure = ERROR_SHARED_NONE;
+#pragma omp parallel
+    {
+        struct edge_work work = {0};
+#pragma omp for schedule(dynamic, 8)
+        for (size_t k = 0; k < rims->count; k += step) {
+            struct rim others[NEIGHBOURS];
+            struct edge_settings own = *settings;
+            if (blurs) {
+                own.blur = fmax(settings->blur, fmin(blurs[k], 0.15 * rims->items[k].rim.radius));
+                own.window = fmin(2.5 * own.blur, 0.5 * rims->items[k].rim.radius);
+            }
+            own.window = fmin(own.window, 0.7 * rims->items[k].rim.radius);
+            size_t count = gather_neighbours(rims, k, own.window + 5 * own.blur, others);
+            to[k / step].rim = rims->items[k].rim;
+            if (refine_circle(photo, zone, others, count, &own, ellipse, &work, &to[k / step]))
+                error_share(&failure, (long)k);
+        }
+        edge_work_free(&work);
+    }
+    return error_collect(&failure);
+}
+
+static struct edge_settings settings_of(const struct rims_state *state)
+{
+    return (struct edge_settings){
+        .blur = state->blur, .window = state->window, .sector = state->sector, .least_step = state->least_step};
+}
+
+/* A rim that left its place is put back and loses its support. */
+static void accept(struct rims *rims, struct refined *next, const double *reach)
+{
+    for (size_t k = 0; k < rims->count; k++) {
+        struct rim *old = &rims->items[k].rim, *new = &next[k].rim;
+        double limit = reach ? 4 * reach[k] + 1 : 3;
+        if (!(hypot(new->x - old->x, new->y - old->y) < limit && fabs(new->radius - old->radius) < limit &&
+              new->radius > 0)) {
+            *new = *old;
+            next[k].support = 0;
+        }
+        rims->items[k] = next[k];
+    }
+}
+
+static int iterate_all(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
+                       int ellipse, const double *blurs, struct rims *rims)
+{
+    struct refined *next = calloc(rims->count ? rims->count : 1, sizeof *next);
+    if (!next)
+        return error_memory("list of rims");
+    int status = iterate(photo, zone, settings, ellipse, blurs, rims, 1, next);
+    if (!status)
+        accept(rims, next, blurs);
+    free(next);
+    return status;
+}
+
+int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
+{
+    struct edge_settings settings = settings_of(state);
+    for (int round = 0; round < 3; round++) {
+        if (iterate_all(photo, zone, &settings, 0, rims->spread, rims))
+            return -1;
+        for (size_t k = 0; k < rims->count; k++)
+            rims->spread[k] *= 0.5;
+    }
+    return 0;
+}
+
+int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
+{
+    struct edge_settings settings = settings_of(state);
+    return iterate_all(photo, zone, &settings, state->ellipse, NULL, rims);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median of one member of the refined rims that have support; NaN when there is none. */
+static double median_member(const struct refined *items, size_t count, size_t member)
+{
+    double values[SAMPLE + 1];
+    size_t n = 0;
+    for (size_t k = 0; k < count && n < SAMPLE + 1; k++) {
+        double value = *(const double *)((const char *)&items[k] + member);
+        if (items[k].support > 0 && isfinite(value))
+            values[n++] = value;
+    }
+    if (n == 0)
+        return NAN;
+    qsort(values, n, sizeof *values, ascending);
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+static size_t sample_step(const struct rims *rims)
+{
+    return rims->count / SAMPLE + 1;
+}
+
+int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state,
+                       const struct rims *rims)
+{
+    size_t step = sample_step(rims), count = (rims->count + step - 1) / step;
+    struct refined sample[SAMPLE + 1];
+    for (int round = 0; round < 5 && count; round++) {
+        struct edge_settings settings = settings_of(state);
+        settings.fit_blur = 1;
+        settings.window = 3.5 * state->blur;
+        settings.sector = 2 * state->sector;
+        if (iterate(photo, zone, &settings, 0, NULL, rims, step, sample))
+            return -1;
+        double error = median_member(sample, count, offsetof(struct refined, blur_error));
+        if (!isfinite(error))
+            break;
+        state->blur = fmin(8, fmax(0.4, state->blur + fmin(0.5 * state->blur, fmax(-0.4 * state->blur, error))));
+        if (fabs(error) < 0.003 * state->blur)
+            break;
+    }
+    return 0;
+}
+
+static double correlation_of(const struct refined *items, size_t count)
+{
+    double sums[LAGS] = {0}, counts[LAGS] = {0}, factor = 1;
+    for (size_t k = 0; k < count; k++)
+        for (int lag = 0; lag < LAGS; lag++) {
+            sums[lag] += items[k].lag[lag];
+            counts[lag] += items[k].lag_count[lag];
+        }
+    if (!(sums[0] > 0))
+        return 1;
+    for (int lag = 1; lag < LAGS && counts[lag] > 0; lag++) {
+        double r = sums[lag] / counts[lag] / (sums[0] / counts[0]);
+        if (r <= 0)
+            break;
+        factor += 2 * r;
+    }
+    return sqrt(factor);
+}
+
+double rims_correlation(const struct rims *rims)
+{
+    return correlation_of(rims->items, rims->count);
+}
+
+/* Narrow bands suffer less from specks and rings, wide ones less from noise: the photo decides, by the standard error
+ * that a sample of its rims reports. */
+int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
+                       const struct rims *rims)
+{
+    static const double choices[] = {1.6, 2.0, 2.5, 3.2, 4.2, 5.5};
+    size_t step = sample_step(rims), count = (rims->count + step - 1) / step;
+    struct refined sample[SAMPLE + 1];
+    double best = INFINITY, window = state->window;
+    for (size_t k = 0; k < sizeof choices / sizeof *choices && count; k++) {
+        struct edge_settings settings = settings_of(state);
+        settings.window = choices[k] * state->blur;
+        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, step, sample))
+            return -1;
+        double error = median_member(sample, count, offsetof(struct refined, s_radius)) * correlation_of(sample, count);
+        if (error < best) {
+            best = error;
+            window = settings.window;
+        }
+    }
+    state->window = window;
+    return 0;
+}

@@ -1,0 +1,31 @@
+/* The rim of a grain in the photo, and small lists of them. px, x right, y down. */
+#ifndef FINDGRAINS_RIM_H
+#define FINDGRAINS_RIM_H
+
+#include <stddef.h>
+
+/* r(theta) = radius + c2 cos 2 theta + s2 sin 2 theta, theta from x towards y: clockwise as seen. */
+struct rim {
+    double x, y, radius, c2, s2;
+};
+
+/* A rim that was seen, before its refinement. */
+struct candidate {
+    struct rim rim;
+    double support;  /* share of the rim where the photo falls from grain to void, weighted by how far it falls */
+    double one_side; /* |mean of exp(i theta)| over that share: 0 all around, 1 on one side only */
+    double spread;   /* px: how far the rim may be off */
+};
+
+struct candidates {
+    struct candidate *items;
+    size_t count, room;
+};
+
+int candidates_add(struct candidates *list, const struct candidate *item);
+void candidates_free(struct candidates *list); /* accepts a zeroed struct */
+/* Sort by support (ties by position, so that the order never depends on how the list was filled) and keep those whose
+ * centres are at least share (R_i + R_j) away from every better one. */
+void candidates_thin(struct candidates *list, double share);
+
+#endif

@@ -1,0 +1,78 @@
+#include "findgrains/settings.h"
+
+#include "pipeline/error.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const shapes[] = {"auto", "circle", "ellipse", NULL};
+
+int settings_read(const struct scene *scene, struct find_options *options)
+{
+    static const char *const keys[] = {"shape", NULL};
+    *options = (struct find_options)FIND_OPTIONS_DEFAULT;
+    options->radius_min_px = scene->grains.radius_min_px;
+    options->radius_max_px = scene->grains.radius_max_px;
+    options->has_frame = scene->frame.given;
+    options->corner_radius_px = scene->frame.corner_radius_px;
+    memcpy(options->corners_px, scene->frame.corners_px, sizeof options->corners_px);
+    const cJSON *section = scene_section(scene, "findgrains");
+    int shape = FIND_SHAPE_AUTO;
+    if (section &&
+        (json_check_keys(scene->json, section, keys) || json_choice(scene->json, section, "shape", shapes, &shape) < 0))
+        return -1;
+    options->shape = (enum find_shape)shape;
+    return 0;
+}
+
+static void add_number(cJSON *object, const char *key, double value)
+{
+    if (isfinite(value))
+        cJSON_AddNumberToObject(object, key, value);
+}
+
+static void add_frame(cJSON *object, const struct find_options *options)
+{
+    cJSON *frame = cJSON_AddObjectToObject(object, "frame"), *corners = cJSON_AddArrayToObject(frame, "corners_px");
+    for (int k = 0; k < 4; k++) {
+        double corner[2] = {options->corners_px[k].x, options->corners_px[k].y};
+        cJSON_AddItemToArray(corners, cJSON_CreateDoubleArray(corner, 2));
+    }
+    add_number(frame, "corner_radius_px", options->corner_radius_px);
+}
+
+static char *printed(cJSON *object)
+{
+    char *text = object ? json_print(object) : NULL;
+    cJSON_Delete(object);
+    if (!text)
+        error_set(EXIT_FAILED, "out of memory: parameters: use a machine with more memory");
+    return text;
+}
+
+char *settings_print(const struct find_options *options)
+{
+    cJSON *object = cJSON_CreateObject();
+    add_number(object, "radius_min_px", options->radius_min_px);
+    add_number(object, "radius_max_px", options->radius_max_px);
+    cJSON_AddStringToObject(object, "shape", shapes[options->shape]);
+    if (options->has_frame)
+        add_frame(object, options);
+    return printed(object);
+}
+
+char *settings_print_notes(const struct find_notes *notes)
+{
+    cJSON *object = cJSON_CreateObject();
+    add_number(object, "void_level", notes->levels.void_level);
+    add_number(object, "grain_level", notes->levels.grain_level);
+    add_number(object, "threshold", notes->levels.threshold);
+    add_number(object, "radius_min_px", notes->radius_min_px);
+    add_number(object, "radius_max_px", notes->radius_max_px);
+    add_number(object, "blur_px", notes->blur_px);
+    add_number(object, "noise", notes->noise);
+    add_number(object, "window_px", notes->window_px);
+    add_number(object, "correlation", notes->correlation);
+    cJSON_AddBoolToObject(object, "ellipses", notes->ellipses);
+    return printed(object);
+}

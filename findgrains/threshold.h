@@ -1,0 +1,18 @@
+/* Grey levels of voids and grains from the histogram inside the zone. */
+#ifndef FINDGRAINS_THRESHOLD_H
+#define FINDGRAINS_THRESHOLD_H
+
+#include "pipeline/photo.h"
+#include "findgrains/zone.h"
+
+struct grey_levels {
+    double threshold;   /* Otsu's: largest variance between the two classes */
+    double void_level;  /* median of the pixels at or below the threshold */
+    double grain_level; /* median of the pixels above it */
+    double separation;  /* variance between the classes over the whole variance, 0 to 1; 0: one grey level only */
+};
+
+/* Levels of the pixels in the zone (every pixel of a coarse grid when the photo is large). */
+int threshold_find(const struct photo *photo, const struct zone *zone, struct grey_levels *levels);
+
+#endif
