@@ -1,0 +1,29 @@
+/* The camera's own motion, from pieces of fixed speckled paper: translation, rotation and zoom by weighted least
+ * squares, undone for everything else in the photo. */
+#ifndef TRACKER_DRIFT_H
+#define TRACKER_DRIFT_H
+
+#include "tracker/target.h"
+
+/* seen = centre + t + (1 + zoom, turn; -turn, 1 + zoom) (corrected - centre): the direction is corrected -> seen. */
+struct camera {
+    int known;     /* 0: every patch was lost; nothing can be corrected */
+    double cx, cy; /* px */
+    double p[4];   /* zoom, turn (rad), tx, ty (px) */
+    double covariance[4][4];
+};
+#define CAMERA_FIXED                                                                                                   \
+    {                                                                                                                  \
+        .known = 1                                                                                                     \
+    }
+
+/* From the outcomes of `count` patches; those that are not good are left out. One patch gives translation and
+ * rotation, two or more the zoom too. The covariance is widened when the patches disagree by more than their errors. */
+struct camera camera_fit(const struct target *patches, const struct outcome *outcomes, size_t count);
+
+/* Undo the camera's motion at a place and angle as seen. */
+void camera_undo(const struct camera *camera, double *x, double *y, double *angle);
+/* Variance that it adds to a position there (x, y) and to an angle. */
+void camera_variance(const struct camera *camera, double x, double y, double *xx, double *yy, double *angle);
+
+#endif

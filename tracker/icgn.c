@@ -1,0 +1,126 @@
+#include "tracker/icgn.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "tracker/kernel.h"
+
+enum { SLACK = 2, BORDER = 2 }; /* px: loaded around the start; where the spline at the photo's border is not its own */
+
+void icgn_extent(const struct shape *shape, double angle, double *half_w, double *half_h)
+{
+    double c = fabs(cos(angle)), s = fabs(sin(angle));
+    *half_w = shape->half_w > 0 ? c * shape->half_w + s * shape->half_h : shape->radius;
+    *half_h = shape->half_w > 0 ? s * shape->half_w + c * shape->half_h : shape->radius;
+}
+
+int icgn_inside(const struct shape *shape, const struct motion *motion, const struct photo *photo)
+{
+    double w, h, x = shape->cx + motion->u, y = shape->cy + motion->v;
+    icgn_extent(shape, motion->angle, &w, &h);
+    return x - w >= BORDER && y - h >= BORDER && x + w <= photo->width - 1 - BORDER &&
+           y + h <= photo->height - 1 - BORDER;
+}
+
+/* Coefficients around the moved shape, reloaded when it has left them. */
+static int load_patch(const struct shape *shape, const struct photo *photo, const struct motion *motion, double level,
+                      enum bspline_order order, int fresh, struct patch *patch)
+{
+    double w, h, x = shape->cx + motion->u, y = shape->cy + motion->v;
+    icgn_extent(shape, motion->angle, &w, &h);
+    if (!fresh && patch_covers(patch, x - w, y - h, x + w, y + h))
+        return 0;
+    w += SLACK;
+    h += SLACK;
+    return patch_load(photo, x - w, y - h, x + w, y + h, (float)level, order, patch);
+}
+
+/* Mean over the subset of the variance of the interpolated noise, in units of the pixels' own. */
+static double noise_gain(const struct subset *subset, const struct motion *motion, enum bspline_order order)
+{
+    const double c = cos(motion->angle), s = sin(motion->angle);
+    enum { STEP = 5 };
+    double sum = 0;
+    size_t count = 0;
+    for (size_t k = 0; k < subset->run_count; k += STEP)
+        for (int i = 0; i < subset->runs[k].count; i += STEP, count++) {
+            double dx = subset->runs[k].x + i - subset->shape.cx, dy = subset->runs[k].y - subset->shape.cy;
+            sum += bspline_noise_gain(order, subset->shape.cx + motion->u + c * dx + s * dy) *
+                   bspline_noise_gain(order, subset->shape.cy + motion->v - s * dx + c * dy);
+        }
+    return count ? sum / (double)count : 1;
+}
+
+static void multiply(double a[3][3], double b[3][3], double product[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            product[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+}
+
+/* The estimate solves J' T = 0 with slopes J that carry the reference's noise: its covariance is
+ * s2 (1 + 1/gain^2) H0^-1 H H0^-1, H = J'J, H0 the Hessian of the noise-free slopes. */
+static void set_covariance(const struct subset *subset, double variance, double gain, struct fit *fit)
+{
+    double clean[3][3], inverse[3][3], half[3][3];
+    memcpy(clean, subset->hessian, sizeof clean);
+    for (int i = 0; i < 3; i++)
+        clean[i][i] -= fmin(variance * subset->noise_slope[i], 0.5 * clean[i][i]);
+    if (!subset_invert(clean, inverse))
+        memcpy(inverse, subset->inverse, sizeof inverse);
+    multiply(inverse, (double(*)[3])subset->hessian, half);
+    multiply(half, inverse, fit->covariance);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            fit->covariance[i][j] *= variance * (1 + 1 / (gain * gain));
+}
+
+/* What the last sums say of the match. */
+static void judge(const struct subset *subset, const struct kernel_sums *sums, enum bspline_order order,
+                  struct fit *fit)
+{
+    double n = (double)subset->count, spread = sums->square - sums->one * sums->one / n;
+    double gain = sums->plane[SUBSET_GREY] / subset->energy;
+    double left = fmax(spread - gain * gain * subset->energy, 0) / (n - 5);
+    fit->gain = gain;
+    fit->zncc = spread > 0 ? sums->plane[SUBSET_GREY] / sqrt(spread * subset->energy) : 0;
+    if (!(gain > 0))
+        return;
+    double variance = left / (gain * gain + noise_gain(subset, &fit->motion, order));
+    fit->noise = sqrt(variance);
+    set_covariance(subset, variance, gain, fit);
+}
+
+int icgn_fit(const struct subset *subset, const struct photo *photo, struct motion start,
+             const struct icgn_options *options, struct patch *patch, struct fit *fit)
+{
+    struct kernel_sums sums = {0};
+    const double rim = subset->shape.radius;
+    *fit = (struct fit){.motion = start};
+    for (fit->iterations = 1;; fit->iterations++) {
+        if (load_patch(&subset->shape, photo, &fit->motion, subset->mean, options->order, fit->iterations == 1, patch))
+            return -1;
+        kernel_sums(subset, patch, &fit->motion, &sums);
+        double gain = sums.plane[SUBSET_GREY] / subset->energy, step[3];
+        if (!(gain > 0))
+            break;
+        for (int i = 0; i < 3; i++)
+            step[i] = (subset->inverse[i][0] * sums.plane[0] + subset->inverse[i][1] * sums.plane[1] +
+                       subset->inverse[i][2] * sums.plane[2]) /
+                      gain;
+        double moved = hypot(step[0], step[1]) + fabs(step[2]) * rim;
+        if (!(moved <= 2 * options->reach))
+            break;
+        fit->motion = motion_compose_inverse(fit->motion, (struct motion){step[0], step[1], step[2]});
+        if (moved <= options->tolerance) {
+            fit->converged = 1;
+            break;
+        }
+        double away =
+            hypot(fit->motion.u - start.u, fit->motion.v - start.v) + fabs(fit->motion.angle - start.angle) * rim;
+        if (fit->iterations >= options->iterations || away > options->reach)
+            break;
+    }
+    judge(subset, &sums, options->order, fit);
+    return 0;
+}

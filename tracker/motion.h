@@ -1,0 +1,24 @@
+/* A rigid motion in the photo: x right, y down, the angle counter-clockwise as seen. A point at (dx, dy) from the
+ * centre of its grain in the reference is found at
+ *
+ *     x = cx + u + cos(angle) dx + sin(angle) dy
+ *     y = cy + v - sin(angle) dx + cos(angle) dy
+ */
+#ifndef TRACKER_MOTION_H
+#define TRACKER_MOTION_H
+
+#include <math.h>
+
+struct motion {
+    double u, v;  /* px, of the centre */
+    double angle; /* rad */
+};
+
+/* W(motion) o W(step)^-1: the update of inverse composition (Baker and Matthews 2004, eq. 15) for rigid warps. */
+static inline struct motion motion_compose_inverse(struct motion motion, struct motion step)
+{
+    double angle = motion.angle - step.angle, c = cos(angle), s = sin(angle);
+    return (struct motion){motion.u - (c * step.u + s * step.v), motion.v - (-s * step.u + c * step.v), angle};
+}
+
+#endif

@@ -1,0 +1,60 @@
+/* The part of the reference photo that is followed: a disc (grain) or a rectangle (paper, marker), with everything
+ * that an iteration needs, computed once.
+ *
+ * Model (note "tracking"): photo(W(p)) = gain * reference(p) + offset + noise. The images of steepest descent
+ * J = (gx, gy, gx dy - gy dx) are made orthogonal to {1, reference}, so that gain and offset drop out exactly and an
+ * iteration is four dot products. */
+#ifndef TRACKER_SUBSET_H
+#define TRACKER_SUBSET_H
+
+#include <stddef.h>
+
+#include "pipeline/photo.h"
+
+struct shape {
+    double cx, cy;         /* centre, px */
+    double radius;         /* of the disc; of the circle around a rectangle */
+    double half_w, half_h; /* of the rectangle; 0: a disc */
+};
+
+/* Pixels (x + 0 .. x + count - 1, y), stored from `offset` on. */
+struct run {
+    int x, y, count;
+    size_t offset;
+};
+
+enum { SUBSET_JX, SUBSET_JY, SUBSET_JA, SUBSET_GREY, SUBSET_PLANES };
+
+struct subset {
+    struct shape shape;
+    size_t count, run_count; /* pixels, runs; 0 pixels: nothing could be used */
+    struct run *runs;
+    float *planes;         /* SUBSET_PLANES arrays of `count`: J orthogonalised, grey minus its mean */
+    double mean;           /* grey */
+    double energy;         /* sum of (grey - mean)^2 */
+    double noise_slope[3]; /* what pixel noise of variance 1 adds to the diagonal of the Hessian */
+    double hessian[3][3], inverse[3][3];
+    double speckle;       /* px: correlation length of the texture, sqrt(variance / mean squared slope) */
+    double speckle_count; /* independent specks: pixels / (pi speckle^2) */
+    double used;          /* share of the shape's pixels that is used */
+    size_t saturated;     /* pixels left out at the upper end of the grey range */
+};
+
+/* Which pixels of the reference may be used. */
+struct subset_mask {
+    uint16_t saturation;            /* grey values from here on are left out; 0: none */
+    const struct shape *neighbours; /* discs whose pixels are left out */
+    size_t neighbour_count;
+    const struct photo *photo; /* the photo to be searched: pixels that `x y` carry beyond its border are left out; */
+    double u, v, angle;        /* NULL: none */
+};
+
+/* Fails only for lack of memory; a subset without texture has energy or determinant 0 (subset_usable). */
+int subset_build(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask,
+                 struct subset *subset);
+int subset_usable(const struct subset *subset);
+/* inverse = h^-1 for a symmetric positive definite h; 0 (and no inverse) when it is not. */
+int subset_invert(double h[3][3], double inverse[3][3]);
+void subset_free(struct subset *subset); /* accepts a zeroed struct */
+
+#endif

@@ -1,0 +1,120 @@
+#include "tracker/target.h"
+
+#include <math.h>
+
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* Standard deviation of the ZNCC of a wrong place: 1 / sqrt(independent specks). */
+static double chance(const struct target *target)
+{
+    double specks = target->subset.speckle_count;
+    return specks > 1 ? 1 / sqrt(specks) : 1;
+}
+
+double target_good_zncc(const struct target *target, int searched)
+{
+    return clamp((searched ? 4.5 : 2.5) * chance(target), 0.5, 0.9);
+}
+
+double target_lost_zncc(const struct target *target, int searched)
+{
+    return searched ? target_good_zncc(target, 1) : clamp(2.0 * chance(target), 0.3, 0.7);
+}
+
+int target_keep(struct target *target, const struct photo *reference, uint16_t saturation)
+{
+    if (target->kept || !target->given)
+        return 0;
+    struct subset_mask mask = {.saturation = saturation};
+    if (subset_build(reference, &target->shape, &mask, &target->subset))
+        return -1;
+    target->kept = 1;
+    return 0;
+}
+
+void target_drop(struct target *target)
+{
+    struct subset summary = target->subset;
+    summary.runs = NULL;
+    summary.planes = NULL;
+    subset_free(&target->subset);
+    target->subset = summary;
+    target->kept = 0;
+}
+
+static int fit_from(const struct target *target, const struct target_photos *photos, struct motion start,
+                    struct patch *patch, struct outcome *found)
+{
+    const struct icgn_options options = ICGN_DEFAULT;
+    *found = (struct outcome){.used = target->subset.used};
+    if (!subset_usable(&target->subset))
+        return 0;
+    if (icgn_inside(&target->shape, &start, photos->photo))
+        return icgn_fit(&target->subset, photos->photo, start, &options, patch, &found->fit);
+
+    struct subset_mask mask = {
+        .saturation = photos->saturation, .photo = photos->photo, .u = start.u, .v = start.v, .angle = start.angle};
+    struct subset part;
+    int status = subset_build(photos->reference, &target->shape, &mask, &part);
+    found->masked = 1;
+    found->used = part.used;
+    if (!status && subset_usable(&part))
+        status = icgn_fit(&part, photos->photo, start, &options, patch, &found->fit);
+    subset_free(&part);
+    return status;
+}
+
+static void keep_better(const struct target *target, const struct outcome *found, struct outcome *outcome)
+{
+    if (!found->fit.converged || found->fit.zncc < target_lost_zncc(target, found->searched))
+        return;
+    if (outcome->found && outcome->fit.zncc >= found->fit.zncc)
+        return;
+    *outcome = *found;
+    outcome->found = found->fit.zncc >= target_good_zncc(target, found->searched) ? 2 : 1;
+}
+
+int target_attempt(const struct target *target, const struct target_photos *photos, struct motion start,
+                   struct patch *patch, struct outcome *outcome)
+{
+    struct outcome found;
+    if (fit_from(target, photos, start, patch, &found))
+        return -1;
+    keep_better(target, &found, outcome);
+    return 0;
+}
+
+/* Are these two motions of the subset the same place, to a speck? */
+static int same_place(const struct target *target, const struct motion *a, const struct motion *b)
+{
+    double away = hypot(a->u - b->u, a->v - b->v) + fabs(a->angle - b->angle) * target->shape.radius / 2;
+    return away < fmax(1, target->subset.speckle);
+}
+
+int target_search(const struct target *target, const struct target_photos *photos, struct motion around,
+                  const struct search_reach *reach, struct search_workspace *workspace, struct outcome *outcome)
+{
+    struct search_place places[SEARCH_CANDIDATES];
+    struct outcome fits[SEARCH_CANDIDATES], best = {0};
+    int count;
+    if (!subset_usable(&target->subset))
+        return 0;
+    if (search_places(photos->reference_pyramid, photos->photo_pyramid, &target->shape, around, reach, workspace,
+                      places, &count))
+        return -1;
+    for (int k = 0; k < count; k++) {
+        if (fit_from(target, photos, places[k].motion, &workspace->patch, &fits[k]))
+            return -1;
+        fits[k].searched = 1;
+        if (fits[k].fit.converged && fits[k].fit.zncc > best.fit.zncc)
+            best = fits[k];
+    }
+    for (int k = 0; k < count; k++)
+        if (fits[k].fit.converged && !same_place(target, &fits[k].fit.motion, &best.fit.motion))
+            best.rival = fmax(best.rival, fits[k].fit.zncc);
+    keep_better(target, &best, outcome);
+    return 0;
+}

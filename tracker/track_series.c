@@ -1,0 +1,169 @@
+#include "tracker/track_series.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+#include "pipeline/state.h"
+#include "tracker/tracker_options.h"
+
+struct series {
+    const struct scene *scene;
+    const struct series_paths *paths;
+    struct tracker_options options;
+    char *parameters;
+    struct photo reference;
+    struct photo_grains grains, previous;
+    int has_previous;
+    struct tracker *tracker;
+};
+
+/* /grains of a file in the given coordinates; the rows that `required` names must be there. */
+static int read_grains(const char *path, const char *coordinates, const char *const required[],
+                       struct photo_grains *grains)
+{
+    struct state_info info = {0};
+    struct state *state = state_open(path);
+    if (!state)
+        return -1;
+    int status = state_read_info(state, &info);
+    if (!status && strcmp(info.coordinates, coordinates))
+        status = error_input("%s: coordinates are '%s', not '%s': give a file of %s", path, info.coordinates,
+                             coordinates, strcmp(coordinates, "seen") ? "the tracker" : "findgrains");
+    if (!status)
+        status = state_read(state, "grains", &PHOTO_GRAINS, required, grains);
+    state_info_free(&info);
+    state_close(state);
+    return status;
+}
+
+static int series_open(struct series *series)
+{
+    static const char *const circle[] = {"x_px", "y_px", "radius_px", "flags", NULL};
+    static const char *const motion[] = {"x_px", "y_px", "angle", "x_seen_px", "y_seen_px", "angle_seen", NULL};
+    const struct series_paths *paths = series->paths;
+    struct photo_request request = scene_photo_request(series->scene);
+    if (tracker_options_read(series->scene, &series->options))
+        return -1;
+    series->options.keep = paths->photo_count > 1;
+    series->parameters = tracker_options_print(&series->options);
+    if (!series->parameters || read_grains(paths->grains, "seen", circle, &series->grains) ||
+        photo_read(paths->reference, &request, &series->reference))
+        return -1;
+    if (paths->previous) {
+        if (read_grains(paths->previous, "corrected", motion, &series->previous))
+            return -1;
+        if (series->previous.count != series->grains.count)
+            return error_input("%s: %zu grains, but %s has %zu: give tracks of the same reference", paths->previous,
+                               series->previous.count, paths->grains, series->grains.count);
+        series->has_previous = 1;
+    }
+    series->tracker = tracker_open(&series->reference, &series->grains, &series->options);
+    return series->tracker ? 0 : -1;
+}
+
+static void series_close(struct series *series)
+{
+    tracker_close(series->tracker);
+    table_free(&PHOTO_GRAINS, &series->grains);
+    table_free(&PHOTO_GRAINS, &series->previous);
+    photo_free(&series->reference);
+    free(series->parameters);
+}
+
+static int write_tracks(const struct series *series, const char *photo, const char *previous, const char *path,
+                        const struct tracks *tracks)
+{
+    const char *inputs[4] = {series->paths->grains, series->paths->reference, photo, previous};
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    provenance.stage = "tracker";
+    provenance.parameters = series->parameters;
+    provenance.input_paths = inputs;
+    provenance.input_count = previous ? 4 : 3;
+    provenance.index = scene_photo_index(series->scene, photo);
+    provenance.time_s = scene_time(series->scene, provenance.index);
+    provenance.coordinates = "corrected";
+    struct state_writer *writer = state_create(path, &provenance);
+    if (!writer)
+        return -1;
+    if (state_write(writer, "grains", &PHOTO_GRAINS, &tracks->grains) ||
+        (tracks->patches.count && state_write(writer, "patches", &PATCHES, &tracks->patches))) {
+        state_discard(writer);
+        return -1;
+    }
+    return state_commit(writer);
+}
+
+/* One photo; its tracks become the previous ones. `previous` names the file of tracks that predicted it, or NULL. */
+static int track_one(struct series *series, const char *photo_path, const char *previous, const char *output,
+                     size_t *flagged, size_t *total)
+{
+    struct photo_request request = scene_photo_request(series->scene);
+    struct photo photo = {0};
+    struct tracks tracks = {0};
+    request.width = series->reference.width;
+    request.height = series->reference.height;
+    if (photo_read(photo_path, &request, &photo))
+        return -1;
+    int status = tracker_follow(series->tracker, &photo, series->has_previous ? &series->previous : NULL, &tracks);
+    if (status)
+        error_prepend("%s", photo_path);
+    else
+        status = write_tracks(series, photo_path, previous, output, &tracks);
+    photo_free(&photo);
+    if (!status) {
+        *flagged += tracks_flagged(&tracks);
+        *total += tracks.grains.count;
+        log_event("photo", "grains", (double)tracks.grains.count, "flagged", (double)tracks_flagged(&tracks), NULL);
+        table_free(&PHOTO_GRAINS, &series->previous);
+        series->previous = tracks.grains;
+        series->has_previous = 1;
+        tracks.grains = (struct photo_grains){0};
+    }
+    tracks_free(&tracks);
+    return status;
+}
+
+/* DIR/0003.tracks.hdf for photos/0003.tif; to be freed. */
+static char *path_in_folder(const char *folder, const char *photo)
+{
+    const char *slash = strrchr(photo, '/'), *base = slash ? slash + 1 : photo, *dot = strrchr(base, '.');
+    int length = dot && dot > base ? (int)(dot - base) : (int)strlen(base);
+    char *path;
+    if (asprintf(&path, "%s/%.*s.tracks.hdf", folder, length, base) < 0) {
+        error_set(EXIT_FAILED, "out of memory: paths: use a machine with more memory");
+        return NULL;
+    }
+    return path;
+}
+
+static int is_folder(const char *path)
+{
+    struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
+int track_series(const struct scene *scene, const struct series_paths *paths, size_t *flagged, size_t *total)
+{
+    struct series series = {.scene = scene, .paths = paths};
+    *flagged = *total = 0;
+    int folder = is_folder(paths->output) || paths->photo_count > 1;
+    int status = series_open(&series);
+    if (!status && folder && !is_folder(paths->output) && mkdir(paths->output, 0777))
+        status = error_failed("%s: %s: name a folder for the tracks", paths->output, strerror(errno));
+    char *before = NULL;
+    for (size_t k = 0; k < paths->photo_count && !status; k++) {
+        char *output = folder ? path_in_folder(paths->output, paths->photos[k]) : strdup(paths->output);
+        status =
+            output ? track_one(&series, paths->photos[k], k ? before : paths->previous, output, flagged, total) : -1;
+        free(before);
+        before = output;
+    }
+    free(before);
+    series_close(&series);
+    return status;
+}

@@ -1,0 +1,48 @@
+#include "tracker/tracker_options.h"
+
+#include "pipeline/error.h"
+
+int tracker_options_read(const struct scene *scene, struct tracker_options *options)
+{
+    static const char *const keys[] = {"subset", "search_px", "search_deg", NULL};
+    const cJSON *section = scene_section(scene, "tracker");
+    *options = (struct tracker_options)TRACKER_DEFAULT;
+    if (section && (json_check_keys(scene->json, section, keys) ||
+                    json_number(scene->json, section, "subset", 0.1, 1.0, &options->subset) < 0 ||
+                    json_number(scene->json, section, "search_px", 0, 2000, &options->search_px) < 0 ||
+                    json_number(scene->json, section, "search_deg", 0, 180, &options->search_deg) < 0))
+        return -1;
+    if (scene->lens)
+        return error_input("%s: 'lens': this version of the tracker does not undo a lens yet: take the key out",
+                           scene->path);
+    options->drift = scene->drift_patches;
+    options->drift_count = scene->drift_patch_count;
+    options->markers = scene->frame.markers;
+    options->marker_count = scene->frame.marker_count;
+    return 0;
+}
+
+static void add_rect(cJSON *list, const struct rect *rect)
+{
+    const double sides[4] = {rect->x0, rect->y0, rect->x1, rect->y1};
+    cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(sides, 4));
+}
+
+char *tracker_options_print(const struct tracker_options *options)
+{
+    cJSON *root = cJSON_CreateObject(), *section = cJSON_AddObjectToObject(root, "tracker");
+    cJSON_AddNumberToObject(section, "subset", options->subset);
+    cJSON_AddNumberToObject(section, "search_px", options->search_px);
+    cJSON_AddNumberToObject(section, "search_deg", options->search_deg);
+    cJSON *drift = cJSON_AddArrayToObject(root, "drift_patches_px");
+    for (size_t k = 0; k < options->drift_count; k++)
+        add_rect(drift, &options->drift[k]);
+    cJSON *markers = cJSON_AddArrayToObject(root, "markers_px");
+    for (size_t k = 0; k < options->marker_count; k++)
+        add_rect(markers, &options->markers[k].rect);
+    char *text = json_print(root);
+    if (!text)
+        error_set(EXIT_FAILED, "out of memory: parameters: use a machine with more memory");
+    cJSON_Delete(root);
+    return text;
+}

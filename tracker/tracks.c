@@ -1,0 +1,185 @@
+#include "tracker/tracks.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double too_saturated = 0.2; /* share of the subset */
+static const double cut_subset = 0.97;   /* below this share of its pixels a subset counts as masked */
+static const double half_subset = 0.5;   /* below this share of its pixels a grain is not in view */
+
+/* Two places fit alike: their correlations, on Fisher's scale, differ by less than a wrong place reaches by chance. */
+static int has_rival(const struct target *target, const struct outcome *outcome)
+{
+    double specks = fmax(target->subset.speckle_count, 1);
+    return outcome->rival > 0 && atanh(fmin(outcome->fit.zncc, 1 - 1e-9)) - atanh(fmin(outcome->rival, 1 - 1e-9)) <
+                                     fmax(0.25, 3 / sqrt(specks));
+}
+
+static uint32_t flags_of(const struct target *target, const struct outcome *outcome)
+{
+    const struct subset *subset = &target->subset;
+    uint32_t flags = 0;
+    if (!target->given)
+        return GRAIN_NOT_FINITE | GRAIN_LOST;
+    if (subset->used < cut_subset || (outcome->found && outcome->used < cut_subset))
+        flags |= GRAIN_MASKED;
+    if ((double)subset->saturated > too_saturated * (double)(subset->count + subset->saturated))
+        flags |= GRAIN_SATURATED;
+    if (!subset_usable(subset))
+        return flags | GRAIN_LOST | (subset->used < half_subset ? GRAIN_OUT_OF_VIEW : GRAIN_NO_CONTRAST);
+    if (!outcome->found)
+        return flags | GRAIN_LOST;
+    if (outcome->used < half_subset)
+        flags |= GRAIN_OUT_OF_VIEW;
+    if (outcome->found == 1)
+        flags |= GRAIN_LOW_ZNCC;
+    if (has_rival(target, outcome))
+        flags |= GRAIN_AMBIGUOUS;
+    return flags | (outcome->searched ? GRAIN_RESCUED : 0);
+}
+
+/* Of the reference's flags, those that say something of the circle stay with the row. */
+static uint32_t inherited(const struct photo_grains *grains, size_t k)
+{
+    return grains->flags ? grains->flags[k] : 0;
+}
+
+static int alloc_grains(const struct photo_grains *grains, struct photo_grains *tracks)
+{
+    static const char *const names[] = {"x_px",     "y_px",     "radius_px",  "angle",      "s_x",
+                                        "s_y",      "s_angle",  "zncc",       "iterations", "flags",
+                                        "dx_px",    "dy_px",    "dangle",     "x_seen_px",  "y_seen_px",
+                                        "x_ref_px", "y_ref_px", "angle_seen", NULL};
+    if (table_alloc(&PHOTO_GRAINS, tracks, grains->count, names))
+        return -1;
+    const struct {
+        const char *name;
+        const double *column;
+    } optional[] = {{"s_radius", grains->s_radius}, {"shape_c", grains->shape_c}, {"shape_s", grains->shape_s},
+                    {"s_shape", grains->s_shape},   {"s_x_ref", grains->s_x},     {"s_y_ref", grains->s_y}};
+    for (size_t k = 0; k < sizeof optional / sizeof *optional; k++)
+        if (optional[k].column && table_add(&PHOTO_GRAINS, tracks, optional[k].name))
+            return -1;
+    return 0;
+}
+
+/* What belongs to the grain and not to the photo. */
+static void carry(const struct photo_grains *grains, size_t k, struct photo_grains *tracks)
+{
+    tracks->x_ref_px[k] = grains->x_px[k];
+    tracks->y_ref_px[k] = grains->y_px[k];
+    tracks->radius_px[k] = grains->radius_px[k];
+    if (grains->s_radius)
+        tracks->s_radius[k] = grains->s_radius[k];
+    if (grains->shape_c)
+        tracks->shape_c[k] = grains->shape_c[k];
+    if (grains->shape_s)
+        tracks->shape_s[k] = grains->shape_s[k];
+    if (grains->s_shape)
+        tracks->s_shape[k] = grains->s_shape[k];
+    if (grains->s_x)
+        tracks->s_x_ref[k] = grains->s_x[k];
+    if (grains->s_y)
+        tracks->s_y_ref[k] = grains->s_y[k];
+}
+
+static void place(const struct photo_grains *grains, size_t k, const struct outcome *outcome,
+                  const struct camera *camera, struct photo_grains *tracks)
+{
+    const struct fit *fit = &outcome->fit;
+    double xx, yy, turn, x = grains->x_px[k] + fit->motion.u, y = grains->y_px[k] + fit->motion.v;
+    double angle = fit->motion.angle;
+    tracks->x_seen_px[k] = x;
+    tracks->y_seen_px[k] = y;
+    tracks->angle_seen[k] = angle;
+    tracks->zncc[k] = fit->zncc;
+    tracks->iterations[k] = fit->iterations;
+    if (!camera->known) {
+        tracks->flags[k] |= GRAIN_LOST;
+        return;
+    }
+    camera_variance(camera, x, y, &xx, &yy, &turn);
+    camera_undo(camera, &x, &y, &angle);
+    tracks->x_px[k] = x;
+    tracks->y_px[k] = y;
+    tracks->angle[k] = angle;
+    tracks->s_x[k] = sqrt(fit->covariance[0][0] + xx);
+    tracks->s_y[k] = sqrt(fit->covariance[1][1] + yy);
+    tracks->s_angle[k] = sqrt(fit->covariance[2][2] + turn);
+}
+
+int tracks_of_grains(const struct photo_grains *grains, const struct target *targets, const struct outcome *outcomes,
+                     const struct camera *camera, const struct photo_grains *previous, struct photo_grains *tracks)
+{
+    if (alloc_grains(grains, tracks))
+        return -1;
+    for (size_t k = 0; k < grains->count; k++) {
+        uint32_t flags = flags_of(&targets[k], &outcomes[k]);
+        carry(grains, k, tracks);
+        tracks->flags[k] = flags | inherited(grains, k);
+        if (!(flags & GRAIN_LOST))
+            place(grains, k, &outcomes[k], camera, tracks);
+        if (!previous)
+            continue;
+        tracks->dx_px[k] = tracks->x_px[k] - previous->x_px[k]; /* NaN when either was lost */
+        tracks->dy_px[k] = tracks->y_px[k] - previous->y_px[k];
+        tracks->dangle[k] = tracks->angle[k] - previous->angle[k];
+    }
+    return 0;
+}
+
+static void place_patch(const struct target *target, const struct outcome *outcome, const struct camera *camera,
+                        size_t row, struct patches *patches)
+{
+    const struct fit *fit = &outcome->fit;
+    double xx = 0, yy = 0, turn = 0, x = target->shape.cx + fit->motion.u, y = target->shape.cy + fit->motion.v;
+    double angle = fit->motion.angle;
+    patches->x_px[row] = x;
+    patches->y_px[row] = y;
+    patches->zncc[row] = fit->zncc;
+    if (camera && !camera->known) {
+        patches->flags[row] |= GRAIN_LOST;
+        return;
+    }
+    if (camera) {
+        camera_variance(camera, x, y, &xx, &yy, &turn);
+        camera_undo(camera, &x, &y, &angle);
+    }
+    patches->dx_px[row] = x - target->shape.cx;
+    patches->dy_px[row] = y - target->shape.cy;
+    patches->angle[row] = angle;
+    patches->s_x[row] = sqrt(fit->covariance[0][0] + xx);
+    patches->s_y[row] = sqrt(fit->covariance[1][1] + yy);
+    patches->s_angle[row] = sqrt(fit->covariance[2][2] + turn);
+}
+
+int tracks_of_patches(const struct tracker_options *options, const struct target *targets,
+                      const struct outcome *outcomes, const struct camera *camera, struct patches *patches)
+{
+    size_t count = options->drift_count + options->marker_count;
+    if (table_alloc(&PATCHES, patches, count, NULL))
+        return -1;
+    for (size_t k = 0; k < count; k++) {
+        int wall = k >= options->drift_count;
+        snprintf(patches->kind[k], NAME_LENGTH, "%s", wall ? "wall" : "drift");
+        snprintf(patches->name[k], NAME_LENGTH, "%s", wall ? options->markers[k - options->drift_count].wall : "paper");
+        patches->flags[k] = flags_of(&targets[k], &outcomes[k]);
+        if (!(patches->flags[k] & GRAIN_LOST))
+            place_patch(&targets[k], &outcomes[k], wall ? camera : NULL, k, patches);
+    }
+    return 0;
+}
+
+size_t tracks_flagged(const struct tracks *tracks)
+{
+    size_t flagged = 0;
+    for (size_t k = 0; k < tracks->grains.count; k++)
+        flagged += (tracks->grains.flags[k] & GRAIN_DISTRUST) != 0;
+    return flagged;
+}
+
+void tracks_free(struct tracks *tracks)
+{
+    table_free(&PHOTO_GRAINS, &tracks->grains);
+    table_free(&PATCHES, &tracks->patches);
+}
