@@ -1,0 +1,24 @@
+/* Anderson's acceleration of a fixed-point iteration x <- g(x) (Anderson 1965; Walker and Ni 2011, type II): the next
+ * point is the combination of the last m images whose residual g - x is smallest in the least-squares sense. */
+#ifndef FORCES_ANDERSON_H
+#define FORCES_ANDERSON_H
+
+#include <stddef.h>
+
+struct anderson {
+    size_t n;
+    int m;
+    int count, next; /* columns held, where the following one goes */
+    int primed;      /* is there a last residual? */
+    double *dg, *dr; /* m columns: differences of images and of residuals */
+    double *g, *r;   /* last image and residual */
+    double *q;       /* orthonormal columns */
+};
+
+int anderson_begin(struct anderson *state, size_t n, int m);
+void anderson_free(struct anderson *state); /* accepts a zeroed struct */
+void anderson_restart(struct anderson *state);
+/* From x and its image g: the accelerated point into `out` (which may be x). */
+void anderson_step(struct anderson *state, const double *x, const double *g, double *out);
+
+#endif

@@ -1,0 +1,194 @@
+#include "forces/infer_forces.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "forces/method.h"
+#include "pipeline/error.h"
+#include "pipeline/stress.h"
+
+const char *const FORCE_METHODS[] = {"cem", "cdm", "qsm", "map", NULL};
+const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
+const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
+
+static int stiffness_given(const struct force_options *options)
+{
+    return isfinite(options->law.kn) && options->law.kn > 0;
+}
+
+static int check_options(const struct force_options *options, enum force_method method)
+{
+    if (method != METHOD_CDM && !stiffness_given(options))
+        return error_input("no contact stiffness: method %s needs the scene's contact.kn_N_per_m",
+                           FORCE_METHODS[method]);
+    if (!(options->law.kt_over_kn >= 0) || !isfinite(options->law.kt_over_kn))
+        return error_input("contact.kt_over_kn must be a number of 0 or more");
+    return 0;
+}
+
+/* How far the start of map is to be trusted, in squared mean forces (docs/forces.md): overlaps by their standard error;
+ * without overlaps fn is spread like an exponential distribution, whose variance is its squared mean, and ft evenly
+ * over the cone, whose variance is mu^2 <fn^2> / 3 = 2/3 mu^2. */
+static void prior_variance(const struct packing *packing, const struct network *network,
+                           const struct force_options *options, double *variance)
+{
+    const double *error = packing->contacts.s_overlap;
+    int measured = packing->contacts.overlap && options->start != START_ZERO && options->start != START_MEAN;
+    for (size_t c = 0; c < network->count; c++) {
+        double mu = network->contact[c].mu, s = error ? error[network->contact[c].row] : 0;
+        s = measured && isfinite(s) ? options->law.kn * s / network->force : 1;
+        variance[2 * c] = fmin(1, fmax(1e-4, s * s));
+        variance[2 * c + 1] = fmax(1e-8, 2.0 / 3 * fmin(1, mu * mu));
+    }
+}
+
+static int solve_map(const struct packing *packing, const struct network *network, const struct force_options *options,
+                     double *f, struct outcome *outcome)
+{
+    double *variance = malloc((2 * network->count + 1) * sizeof *variance);
+    if (!variance)
+        return error_memory("map");
+    prior_variance(packing, network, options, variance);
+    int status = map_solve(network, options, variance, f, outcome);
+    free(variance);
+    return status;
+}
+
+static int solve(const struct packing *packing, const struct network *network, const struct force_options *options,
+                 enum force_method method, double *f, struct outcome *outcome)
+{
+    if (method == METHOD_CEM)
+        return cem_forces(packing, network, options, f);
+    if (start_forces(packing, network, options, method, f))
+        return -1;
+    if (method == METHOD_CDM)
+        return cdm_solve(network, options, f, outcome);
+    if (method == METHOD_QSM)
+        return qsm_solve(network, options, f, outcome);
+    return solve_map(packing, network, options, f, outcome);
+}
+
+/* cem has no say in equilibrium: it is judged like the others. */
+static int judge(const struct network *network, const struct force_options *options, const double *f,
+                 struct outcome *outcome, double *unbalance)
+{
+    outcome->imbalance = network_judge(network, f, unbalance);
+    outcome->converged = outcome->imbalance <= options->tolerance;
+    for (size_t k = 0; k < 2 * network->count; k++)
+        if (!isfinite(f[k]))
+            return error_failed("the forces are not finite: report this packing");
+    return 0;
+}
+
+static uint32_t status_of(double mu, double fn, double ft)
+{
+    if (fn <= 0)
+        return STATUS_OPEN;
+    return mu > 0 && fabs(ft) >= mu * fn * (1 - 1e-9) ? STATUS_SLIP : STATUS_STICK;
+}
+
+static void store_contacts(const struct network *network, const double *f, struct contact_forces *out)
+{
+    for (size_t c = 0; c < out->count; c++) {
+        out->fn[c] = out->ft[c] = 0;
+        out->status[c] = STATUS_NOT_USED;
+    }
+    for (size_t c = 0; c < network->count; c++) {
+        size_t row = network->contact[c].row;
+        out->fn[row] = f[2 * c] * network->force;
+        out->ft[row] = f[2 * c + 1] * network->force;
+        out->status[row] = status_of(network->contact[c].mu, f[2 * c], f[2 * c + 1]);
+    }
+}
+
+/* A grain that is held or carries nothing: its residual is its load, or 0 when it is fixed. */
+static void store_residuals(const struct packing *packing, const struct network *network, const double *unbalance,
+                            struct residuals *out)
+{
+    const struct grains *g = &packing->grains;
+    for (size_t k = 0; k < out->count; k++) {
+        long dof = network->grain_dof[k];
+        int rests = dof < 0 && !network->peeled[k];
+        out->residual_x[k] = dof >= 0 ? unbalance[dof] * network->force : rests || !g->load_x ? 0 : g->load_x[k];
+        out->residual_y[k] = dof >= 0 ? unbalance[dof + 1] * network->force : rests || !g->load_y ? 0 : g->load_y[k];
+        out->residual_m[k] = dof >= 0              ? unbalance[dof + 2] * network->force * network->radius
+                             : rests || !g->load_m ? 0
+                                                   : g->load_m[k];
+    }
+}
+
+static int store(const struct packing *packing, const struct network *network, const struct force_options *options,
+                 enum force_method method, const double *f, const struct outcome *outcome, const double *unbalance,
+                 struct forces *forces)
+{
+    static const char *const contact_names[] = {"fn", "ft", "status", NULL};
+    enum force_start start = options->start;
+    if (start == START_DEFAULT)
+        start = stiffness_given(options) && packing->contacts.overlap ? START_OVERLAP : START_ZERO;
+    if (method == METHOD_CEM)
+        start = options->previous ? START_PREVIOUS : START_OVERLAP;
+    snprintf(forces->method, sizeof forces->method, "%s", FORCE_METHODS[method]);
+    snprintf(forces->start, sizeof forces->start, "%s", FORCE_STARTS[start]);
+    if (table_alloc(&CONTACT_FORCES, &forces->contact, packing->contacts.count, contact_names) ||
+        table_alloc(&RESIDUALS, &forces->residual, packing->grains.count, NULL))
+        return -1;
+    store_contacts(network, f, &forces->contact);
+    store_residuals(packing, network, unbalance, &forces->residual);
+    forces->iterations = outcome->iterations;
+    forces->converged = outcome->converged;
+    forces->imbalance = outcome->imbalance;
+    forces->kn = options->law.kn;
+    forces->kt = options->law.kn * options->law.kt_over_kn;
+    forces->mu = options->law.mu;
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
+    return 0;
+}
+
+static int infer(const struct packing *packing, const struct network *network, const struct force_options *options,
+                 enum force_method method, struct forces *forces)
+{
+    double *f = calloc(2 * network->count + 1, sizeof *f), *unbalance = calloc(network->dofs + 1, sizeof *unbalance);
+    struct outcome outcome = {0};
+    int status = -1;
+    if (!f || !unbalance)
+        status = error_memory("forces");
+    else if (!solve(packing, network, options, method, f, &outcome) && !judge(network, options, f, &outcome, unbalance))
+        status = store(packing, network, options, method, f, &outcome, unbalance, forces);
+    free(f), free(unbalance);
+    return status;
+}
+
+int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
+                 struct forces *forces)
+{
+    struct network network;
+    struct network_options network_options = {.candidates = method == METHOD_MAP, .wall_mass = options->wall_mass};
+    memset(forces, 0, sizeof *forces);
+    if (check_options(options, method) || network_build(packing, &options->law, &network_options, &network))
+        return -1;
+    int status = infer(packing, &network, options, method, forces);
+    network_free(&network);
+    if (status)
+        forces_free(forces);
+    return status;
+}
+
+static double unbalance_of(const struct residuals *residual, size_t k, double radius)
+{
+    return fmax(hypot(residual->residual_x[k], residual->residual_y[k]), fabs(residual->residual_m[k]) / radius);
+}
+
+size_t forces_unbalanced_grains(const struct packing *packing, const struct forces *forces, double share)
+{
+    double sum = 0, radius = 0;
+    size_t pushing = 0, found = 0, grains = forces->residual.count;
+    for (size_t c = 0; c < forces->contact.count; c++)
+        if (forces->contact.fn[c] > 0)
+            sum += forces->contact.fn[c], pushing++;
+    for (size_t k = 0; k < grains; k++)
+        radius += isfinite(packing->grains.radius[k]) ? packing->grains.radius[k] / (double)grains : 0;
+    for (size_t k = 0; k < grains; k++)
+        found += unbalance_of(&forces->residual, k, radius) > share * (pushing ? sum / (double)pushing : 0);
+    return found;
+}

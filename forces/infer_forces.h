@@ -1,0 +1,51 @@
+/* Contact forces of one packing by one method (docs/forces.md). The packing is not changed. */
+#ifndef FORCES_INFER_FORCES_H
+#define FORCES_INFER_FORCES_H
+
+#include "pipeline/contact_law.h"
+#include "pipeline/packing.h"
+
+enum force_method { METHOD_CEM, METHOD_CDM, METHOD_QSM, METHOD_MAP, METHOD_COUNT };
+extern const char *const FORCE_METHODS[]; /* names in that order, then NULL */
+
+/* START_DEFAULT: overlap where a stiffness is known, else zero. START_FILE is `previous` from a file of any state. */
+enum force_start { START_DEFAULT, START_ZERO, START_MEAN, START_OVERLAP, START_CEM, START_PREVIOUS, START_FILE };
+extern const char *const FORCE_STARTS[]; /* names in that order, then NULL */
+
+enum force_fix { FIX_NONE, FIX_NORMAL, FIX_TANGENTIAL };
+extern const char *const FORCE_FIXES[]; /* "none" "normal" "tangential" NULL */
+
+struct force_options {
+    struct contact_law law;
+    enum force_start start;
+    const struct packing *previous; /* with its forces: for START_PREVIOUS and cem; NULL: none */
+    const struct packing *from;     /* with its forces: for START_FILE; NULL: none */
+    enum force_fix fix;             /* which components of the start are held */
+    int rescale;                    /* scale forces from overlaps to the loads' virial: 0 keeps kn as given */
+    double tolerance;               /* largest unbalanced component over <fn> */
+    int iterations;                 /* limit; 0: the method's own */
+    /* cdm */
+    double relaxation; /* 1: Gauss-Seidel; up to 1.5 */
+    double thickness;  /* graph thickness: relative velocity below which a contact is left alone, in <fn> / mean mass */
+    double wall_mass;  /* of a free wall, in mean grain masses */
+    /* qsm */
+    int orthogonal; /* project onto the Coulomb cone orthogonally (associated flow) instead of vertically */
+    int anderson;   /* columns of Anderson's acceleration; 0: none */
+};
+#define FORCE_TOLERANCE 1e-6
+#define FORCE_WALL_MASS 100
+#define FORCE_ANDERSON 10
+#define FORCE_OPTIONS_DEFAULT                                                                                          \
+    {                                                                                                                  \
+        .law = {.kn = NAN, .kt_over_kn = 1, .mu = NAN}, .tolerance = FORCE_TOLERANCE, .relaxation = 1,                 \
+        .wall_mass = FORCE_WALL_MASS, .anderson = FORCE_ANDERSON                                                       \
+    }
+
+/* A method that does not converge is not a failure: forces->converged is 0 and the imbalance says how far it is. */
+int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
+                 struct forces *forces);
+
+/* Grains whose unbalanced force or moment (over the mean radius) exceeds `share` of the mean normal force. */
+size_t forces_unbalanced_grains(const struct packing *packing, const struct forces *forces, double share);
+
+#endif

@@ -1,0 +1,127 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "forces/add_forces.h"
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+
+struct arguments {
+    struct cli cli;
+    const char *input, *previous, *methods, *start;
+    double tolerance, iterations; /* NaN: not on the command line */
+    int fix;                      /* -1: not on the command line */
+};
+
+enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS };
+
+static const struct argp_option option_list[] = {
+    {"method", METHOD, "LIST", 0,
+     "One or more of cem,cdm,qsm,map, separated by commas (default: the scene's, else map)", 0},
+    {"start", START, "START", 0,
+     "zero, mean, overlap, cem, previous, or a file with forces (default: overlap where kn is known, else zero)", 0},
+    {"fix", FIX, "PART", 0, "Hold the start's normal or tangential forces: none, normal, tangential", 0},
+    {"previous", PREVIOUS, "FILE", 0, "Forces of the previous state: for cem and --start previous", 0},
+    {"tolerance", TOLERANCE, "X", 0, "Largest unbalanced force over the mean normal force (1e-6)", 0},
+    {"iterations", ITERATIONS, "N", 0, "Stop after N iterations (0: the method's own limit)", 0},
+    {0}};
+
+static error_t parse_option(int key, char *arg, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &arguments->cli;
+        return 0;
+    case METHOD:
+        arguments->methods = arg;
+        return 0;
+    case START:
+        arguments->start = arg;
+        return 0;
+    case FIX:
+        arguments->fix = cli_choice(state, "--fix", arg, FORCE_FIXES);
+        return 0;
+    case PREVIOUS:
+        arguments->previous = arg;
+        return 0;
+    case TOLERANCE:
+        arguments->tolerance = cli_number(state, "--tolerance", arg, 1e-14, 1);
+        return 0;
+    case ITERATIONS:
+        arguments->iterations = cli_number(state, "--iterations", arg, 0, 1e8);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (arguments->input)
+            argp_error(state, "one packing at a time, not also %s", arg);
+        arguments->input = arg;
+        return 0;
+    case ARGP_KEY_END:
+        if (!arguments->input)
+            argp_error(state, "which packing? Give N.contacts.hdf");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* A word that is no start is a file to start from. */
+static void choose_start(const char *text, struct force_request *request)
+{
+    for (int k = START_ZERO; k <= START_PREVIOUS; k++)
+        if (!strcmp(text, FORCE_STARTS[k])) {
+            request->options.start = (enum force_start)k;
+            return;
+        }
+    request->options.start = START_FILE;
+    request->from = text;
+}
+
+static int run(const struct arguments *arguments)
+{
+    struct scene scene = {0};
+    struct force_request request = {.scene = arguments->cli.scene,
+                                    .input = arguments->input,
+                                    .previous = arguments->previous,
+                                    .output = arguments->cli.output,
+                                    .methods = {{METHOD_MAP}, 1},
+                                    .options = FORCE_OPTIONS_DEFAULT};
+    size_t unbalanced = 0, grains = 0;
+    int status = scene_read(arguments->cli.scene, &scene) ||
+                 force_options_read(&scene, &request.methods, &request.options) ||
+                 (arguments->methods && method_list_parse(arguments->methods, &request.methods));
+    if (!status) {
+        if (arguments->start)
+            choose_start(arguments->start, &request);
+        if (arguments->fix >= 0)
+            request.options.fix = (enum force_fix)arguments->fix;
+        if (arguments->tolerance > 0)
+            request.options.tolerance = arguments->tolerance;
+        if (arguments->iterations >= 0)
+            request.options.iterations = (int)arguments->iterations;
+        status = add_forces(&request, &unbalanced, &grains);
+    }
+    scene_free(&scene);
+    return status ? -1 : cli_flagged(&arguments->cli, unbalanced, grains, "grains are out of balance by more than 1 %");
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_child children[] = {CLI_CHILD, {0}};
+    static const struct argp parser = {
+        option_list,
+        parse_option,
+        "N.contacts.hdf",
+        "Contact forces of a packing in equilibrium\v"
+        "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains. qsm: projections "
+        "onto "
+        "equilibrium and friction. map: the most likely admissible forces; the one to use. Several methods stand side "
+        "by "
+        "side in one file. Docs: docs/forces.md.\n\n"
+        "  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf",
+        children,
+        NULL,
+        NULL};
+    struct arguments arguments = {.cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .fix = -1};
+    cli_parse(&parser, argc, argv, &arguments);
+    return cli_finish(&arguments.cli, run(&arguments));
+}

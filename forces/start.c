@@ -1,0 +1,175 @@
+/* What a method starts from (thesis 3.2, 3.5.2): nothing, the mean force, the overlaps, the measured motions, or
+ * another state's forces. */
+#include "forces/method.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+
+/* Scale the forces of overlaps so that their virial is that of the loads: in working units the mean over contacts of
+ * fn l is then the mean of l. */
+static void rescale_to_loads(const struct network *network, double *f)
+{
+    double virial = 0, length = 0;
+    for (size_t c = 0; c < network->count; c++) {
+        virial += f[2 * c] * network->contact[c].length;
+        length += network->contact[c].length;
+    }
+    for (size_t c = 0; c < network->count && virial > 0; c++)
+        f[2 * c] *= length / virial;
+}
+
+static int from_overlap(const struct packing *packing, const struct network *network,
+                        const struct force_options *options, double *f)
+{
+    if (!isfinite(options->law.kn) || options->law.kn <= 0)
+        return error_input("no contact stiffness: give the scene contact.kn_N_per_m, or start from zero or mean");
+    if (!packing->contacts.overlap)
+        return error_input("the contacts have no overlaps: run contacts again, or start from zero or mean");
+    for (size_t c = 0; c < network->count; c++) {
+        double overlap = packing->contacts.overlap[network->contact[c].row];
+        if (!isfinite(overlap))
+            return error_input("contact %zu has an overlap that is not finite: run contacts again, or flag the row",
+                               network->contact[c].row);
+        f[2 * c] = fmax(0, options->law.kn * overlap) / network->force;
+        f[2 * c + 1] = 0;
+    }
+    if (options->rescale)
+        rescale_to_loads(network, f);
+    return 0;
+}
+
+/* (i, j, row) sorted, so that duplicates keep their order. */
+struct pair {
+    int64_t i, j;
+    long row;
+};
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const struct pair *p = a, *q = b;
+    if (p->i != q->i)
+        return p->i < q->i ? -1 : 1;
+    if (p->j != q->j)
+        return p->j < q->j ? -1 : 1;
+    return p->row < q->row ? -1 : p->row > q->row;
+}
+
+static struct pair *sorted_pairs(const struct contacts *contacts)
+{
+    struct pair *pairs = malloc((contacts->count + 1) * sizeof *pairs);
+    for (size_t c = 0; pairs && c < contacts->count; c++)
+        pairs[c] = (struct pair){contacts->i[c], contacts->j[c], (long)c};
+    if (pairs)
+        qsort(pairs, contacts->count, sizeof *pairs, compare_pairs);
+    return pairs;
+}
+
+long *match_contacts(const struct contacts *contacts, const struct contacts *previous)
+{
+    struct pair *here = sorted_pairs(contacts), *there = sorted_pairs(previous);
+    long *match = malloc((contacts->count + 1) * sizeof *match);
+    if (here && there && match) {
+        size_t p = 0;
+        for (size_t c = 0; c < contacts->count; c++) {
+            match[here[c].row] = -1;
+            while (p < previous->count &&
+                   (there[p].i < here[c].i || (there[p].i == here[c].i && there[p].j < here[c].j)))
+                p++;
+            if (p < previous->count && there[p].i == here[c].i && there[p].j == here[c].j)
+                match[here[c].row] = there[p++].row;
+        }
+    } else {
+        error_set(EXIT_FAILED, "out of memory: contacts of the previous state");
+        free(match);
+        match = NULL;
+    }
+    free(here), free(there);
+    return match;
+}
+
+/* The previous file's forces of this method, else its only or first ones. */
+static const struct forces *previous_forces(const struct packing *previous, enum force_method method)
+{
+    const struct forces *forces = packing_forces(previous, FORCE_METHODS[method]);
+    return forces || previous->force_count == 0 ? forces : &previous->forces[0];
+}
+
+static int from_previous(const struct packing *packing, const struct network *network, const struct packing *previous,
+                         enum force_method method, double *f)
+{
+    if (!previous)
+        return error_input("no previous state: give --previous FILE.forces.hdf");
+    const struct forces *forces = previous_forces(previous, method);
+    if (!forces)
+        return error_input("the previous state has no forces: give a file written by forces or simulate");
+    if (previous->grains.count != packing->grains.count)
+        return error_input("the previous state has %zu grains, this one %zu: give a state of the same series",
+                           previous->grains.count, packing->grains.count);
+    long *match = match_contacts(&packing->contacts, &previous->contacts);
+    if (!match)
+        return -1;
+    for (size_t c = 0; c < network->count; c++) {
+        long row = match[network->contact[c].row];
+        double fn = row >= 0 ? forces->contact.fn[row] : 0, ft = row >= 0 ? forces->contact.ft[row] : 0;
+        f[2 * c] = isfinite(fn) ? fn / network->force : 0;
+        f[2 * c + 1] = isfinite(ft) ? ft / network->force : 0;
+    }
+    free(match);
+    return 0;
+}
+
+static double motion(const double *column, size_t row)
+{
+    return column ? column[row] : NAN;
+}
+
+int cem_forces(const struct packing *packing, const struct network *network, const struct force_options *options,
+               double *f)
+{
+    const struct contacts *contacts = &packing->contacts;
+    struct contact_law law = options->law;
+    if (!isfinite(law.kn) || law.kn <= 0)
+        return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
+    if (options->previous ? from_previous(packing, network, options->previous, METHOD_CEM, f)
+                          : from_overlap(packing, network, options, f))
+        return -1;
+    for (size_t c = 0; c < network->count; c++) {
+        size_t row = network->contact[c].row;
+        double fn = f[2 * c] * network->force, ft = f[2 * c + 1] * network->force;
+        double dun = options->previous ? motion(contacts->dun, row) : 0;
+        double dut = options->previous ? motion(contacts->dut, row) : motion(contacts->ut, row);
+        if (!isfinite(dun) || !isfinite(dut)) /* a new contact: its first increment is not known */
+            dun = dut = 0;
+        contact_law_advance(&law, network->contact[c].mu, dun, dut, &fn, &ft);
+        f[2 * c] = fn / network->force;
+        f[2 * c + 1] = ft / network->force;
+    }
+    return 0;
+}
+
+int start_forces(const struct packing *packing, const struct network *network, const struct force_options *options,
+                 enum force_method method, double *f)
+{
+    memset(f, 0, 2 * network->count * sizeof *f);
+    switch (options->start) {
+    case START_DEFAULT:
+        return isfinite(options->law.kn) && packing->contacts.overlap ? from_overlap(packing, network, options, f) : 0;
+    case START_ZERO:
+        return 0;
+    case START_MEAN:
+        for (size_t c = 0; c < network->count; c++)
+            f[2 * c] = 1;
+        return 0;
+    case START_OVERLAP:
+        return from_overlap(packing, network, options, f);
+    case START_CEM:
+        return cem_forces(packing, network, options, f);
+    case START_PREVIOUS:
+        return from_previous(packing, network, options->previous, method, f);
+    case START_FILE:
+        return from_previous(packing, network, options->from, method, f);
+    }
+    return error_input("unknown start");
+}
