@@ -22,7 +22,8 @@ static const char help[] =
     "check: is every key known, every number in its range, every file that the scene names there? Prints nothing when "
     "all is well.\n"
     "photos: index and path of every photo, one per line, separated by a tabulator.\n"
-    "series: first, last and reference photo and photos per block.\n"
+    "series: first, last and reference photo, photos per block, lens and loads: key and value, separated by a "
+    "tabulator.\n"
     "part: the part of the scene that a stage's numbers depend on, as JSON.\n\n"
     "Example:\n  scene check my-test/scene.json";
 
@@ -90,7 +91,12 @@ static int print_series(const struct scene *scene)
     const struct scene_photos *photos = &scene->photos;
     if (!photos->pattern)
         return scene_lacks(scene, "photos.pattern", "write for example \"photos/{index:04d}.tif\"");
-    printf("%ld %ld %ld %d\n", photos->first, photos->last, photos->reference, photos->block);
+    printf("first\t%ld\nlast\t%ld\nreference\t%ld\nblock\t%d\n", photos->first, photos->last, photos->reference,
+           photos->block);
+    if (scene->lens)
+        printf("lens\t%s\n", scene->lens);
+    if (scene->loads)
+        printf("loads\t%s\n", scene->loads);
     return 0;
 }
 
