@@ -18,6 +18,8 @@ static int is_among(const char *const words[], const char *word)
 
 static int is_seen(const char *key, const char *stage)
 {
+    if (!strcmp(key, "name"))
+        return !strcmp(stage, "report");
     if (!strcmp(stage, "findgrains") || !strcmp(stage, "tracker"))
         return !strcmp(key, stage) || is_among(photo_side, key);
     return !strcmp(key, stage) || !is_among(programs, key);

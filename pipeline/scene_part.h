@@ -6,7 +6,8 @@
 
 /* JSON text without spaces, to be freed; NULL with an error. "findgrains" and "tracker" see the photos, the lens, the
  * drift patches, the frame, the grains' radii and their own section; every other stage sees all but the other
- * programs' sections. What only says how far the series goes (photos.last) is in no part. */
+ * programs' sections. What only says how far the series goes (photos.last) is in no part, the name only in that of
+ * "report". */
 char *scene_part(const struct scene *scene, const char *stage);
 
 #endif

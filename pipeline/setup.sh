@@ -1,0 +1,42 @@
+# What pipeline/demo and tests/run share; sourced by them. Sets `root`, the folder of the repository.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# say WORDS...: one line about what is going on.
+say() { printf '\n== %s\n' "$*"; }
+
+# The packages of packages.txt that are not installed.
+missing_packages() {
+    local package
+    while read -r package _; do
+        [[ -z $package || $package == \#* ]] ||
+            [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || echo "$package"
+    done <"$root/packages.txt"
+}
+
+# Install them, as root or through sudo; else say the command.
+install_packages() {
+    local missing as_root=()
+    mapfile -t missing < <(missing_packages)
+    ((${#missing[@]})) || return 0
+    command -v apt-get >/dev/null || { echo "install these packages of Debian 12 first: ${missing[*]}" >&2; exit 1; }
+    if ((EUID)); then
+        command -v sudo >/dev/null ||
+            { echo "packages are missing, run as root: apt-get install ${missing[*]}" >&2; exit 1; }
+        as_root=(sudo)
+    fi
+    say "installing ${missing[*]}"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+# build FOLDER CMAKE-OPTIONS...: configure and compile everything; the last lines are shown when it fails.
+build() {
+    local folder=$1 log=$1.log
+    shift
+    say "building in $folder (log: $log)"
+    mkdir -p "$(dirname "$folder")"
+    if ! { cmake -S "$root" -B "$folder" "$@" && cmake --build "$folder" --parallel "$(nproc)"; } >"$log" 2>&1; then
+        tail -n 40 "$log" >&2
+        exit 1
+    fi
+}
