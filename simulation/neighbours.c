@@ -103,7 +103,8 @@ static int pairs_of_grain(struct dem *dem, const struct cells *cells, int i)
                     return -1;
             }
         }
-    qsort(dem->pairs + begin, dem->pair_count - begin, sizeof *dem->pairs, by_partner);
+    if (dem->pair_count > begin + 1)
+        qsort(dem->pairs + begin, dem->pair_count - begin, sizeof *dem->pairs, by_partner);
     return 0;
 }
 
