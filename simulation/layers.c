@@ -3,7 +3,7 @@
 #include "pipeline/random.h"
 
 /* Keys of what is painted; each body adds its own number. */
-enum body { BODY_GRAIN, BODY_HOLLOW, BODY_FRAME, BODY_HINGE, BODY_OUTSIDE, BODY_RING, BODY_LEVEL };
+enum body { BODY_GRAIN, BODY_HOLLOW, BODY_FRAME, BODY_HINGE, BODY_OUTSIDE, BODY_RING, BODY_LEVEL, BODY_PLATE };
 
 static uint64_t body_key(const struct optics *optics, enum body body, size_t number)
 {
@@ -80,6 +80,40 @@ static void paint_hinge(const struct picture *picture, const struct optics *opti
         }
 }
 
+static void paint_plate(const struct picture *picture, const struct optics *optics, struct tile *tile, size_t k)
+{
+    const struct plate *plate = &picture->plates[k];
+    const struct surface *surface = plate->kind == PLATE_PAPER ? &optics->paper : &optics->marker;
+    struct pose pose = pose_of(plate->x, plate->y, plate->angle);
+    struct window w = tile_window(tile, plate->x, plate->y, 0.5 * hypot(plate->width, plate->height));
+    speckle_surface(tile, w, surface, surface->level, pose, body_key(optics, BODY_PLATE, k));
+    for (int j = w.y0; j < w.y1; j++)
+        for (int i = w.x0; i < w.x1; i++) {
+            size_t at = (size_t)j * (size_t)tile->width + (size_t)i;
+            double dx = tile->origin_x + (double)tile->x[at] - plate->x,
+                   dy = tile->origin_y + (double)tile->y[at] - plate->y;
+            double u = fabs(pose.cosine * dx - pose.sine * dy), v = fabs(pose.sine * dx + pose.cosine * dy);
+            float share = coverage((float)((0.5 * plate->width - u) / tile->cell)) *
+                          coverage((float)((0.5 * plate->height - v) / tile->cell));
+            tile->back[at] += share * (tile->layer[at] - tile->back[at]);
+        }
+}
+
+static void paint_frame(const struct picture *picture, const struct optics *optics, struct tile *tile)
+{
+    struct window whole = tile_whole(tile);
+    speckle_surface(tile, whole, &optics->frame, optics->frame.level,
+                    pose_of(picture->corners[0].x, picture->corners[0].y, 0), body_key(optics, BODY_FRAME, 0));
+    lay_outside(tile, picture->corners);
+    struct vec wide[4];
+    widen(picture->corners, optics->frame_width, wide);
+    if (tile_inside(tile, wide))
+        return;
+    speckle_surface(tile, whole, &optics->outside, optics->outside.level, pose_of(0, 0, 0),
+                    body_key(optics, BODY_OUTSIDE, 0));
+    lay_outside(tile, wide);
+}
+
 static void paint_back(const struct picture *picture, const struct optics *optics, struct tile *tile)
 {
     struct window whole = tile_whole(tile);
@@ -88,16 +122,10 @@ static void paint_back(const struct picture *picture, const struct optics *optic
                     body_key(optics, BODY_HOLLOW, 0));
     for (size_t at = 0; at < cells; at++)
         tile->back[at] = tile->layer[at];
-    if (!picture->framed || tile_inside(tile, picture->corners))
-        return;
-    speckle_surface(tile, whole, &optics->frame, optics->frame.level,
-                    pose_of(picture->corners[0].x, picture->corners[0].y, 0), body_key(optics, BODY_FRAME, 0));
-    lay_outside(tile, picture->corners);
-    struct vec wide[4];
-    widen(picture->corners, optics->frame_width, wide);
-    speckle_surface(tile, whole, &optics->outside, optics->outside.level, pose_of(0, 0, 0),
-                    body_key(optics, BODY_OUTSIDE, 0));
-    lay_outside(tile, wide);
+    if (picture->framed && !tile_inside(tile, picture->corners))
+        paint_frame(picture, optics, tile);
+    for (size_t k = 0; k < picture->plate_count; k++)
+        paint_plate(picture, optics, tile, k);
     for (int hinge = 0; hinge < picture->hinge_count; hinge++)
         paint_hinge(picture, optics, tile, hinge);
 }

@@ -59,16 +59,20 @@ void photo_truth_free(struct photo_truth *truth)
 {
     table_free(&PHOTO_GRAINS, &truth->grains);
     table_free(&CONTACTS, &truth->contacts);
+    table_free(&PATCHES, &truth->patches);
 }
 
 int render(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,
            struct photo *photo, struct photo_truth *truth)
 {
     struct picture picture;
+    struct plate *plates = NULL;
     *truth = (struct photo_truth){0};
-    if (picture_of(packing, optics, scene, index, &truth->grains, &picture) == 0 &&
-        face_contacts(packing, &truth->grains, scene->scale, &truth->contacts) == 0 &&
-        render_picture(&picture, optics, photo) == 0)
+    int status = picture_of(packing, optics, scene, index, truth, &plates, &picture);
+    status = status || face_contacts(packing, &truth->grains, scene->scale, &truth->contacts);
+    status = status || render_picture(&picture, optics, photo);
+    free(plates);
+    if (!status)
         return 0;
     photo_truth_free(truth);
     return -1;

@@ -17,6 +17,16 @@ struct disc {
     double x, y, radius; /* px */
 };
 
+/* A speckled rectangle: paper fixed beside the machine, or a marker on a wall. */
+enum plate_kind { PLATE_PAPER, PLATE_MARKER };
+struct plate {
+    enum plate_kind kind;
+    char name[NAME_LENGTH];     /* "paper", or the wall's */
+    double x, y, width, height; /* px: middle, sides */
+    double angle;               /* rad, counter-clockwise as seen */
+    double x_ref, y_ref;        /* px: middle in the scene's rectangle */
+};
+
 /* What the camera looks at, in px of the photo (x right, y down, pixel middles at integers). */
 struct picture {
     int width, height;
@@ -27,6 +37,8 @@ struct picture {
     struct vec corners[4];             /* where its inner lines meet, in the order of enum CORNER_* */
     struct disc hinges[4];             /* convex discs of the frame */
     int hinge_count;
+    const struct plate *plates;
+    size_t plate_count;
     struct view view; /* the camera's motion; zeroed: none */
 };
 
@@ -48,6 +60,7 @@ struct camera picture_camera(const struct picture *picture);
 struct photo_truth {
     struct photo_grains grains; /* corrected and as seen */
     struct contacts contacts;   /* m: of the faces as drawn */
+    struct patches patches;     /* paper as seen; wall markers without the camera's motion */
 };
 void photo_truth_free(struct photo_truth *truth);
 

@@ -78,28 +78,107 @@ static void set_frame(const struct packing *packing, const struct scene *scene, 
         }
 }
 
+/* A marker moves with the middle and the direction of its wall's inner line, from the scene's corners to those now. */
+static void move_marker(const struct scene *scene, const struct vec corners[4], struct plate *plate)
+{
+    static const char *const sides[] = {"top", "right", "bottom", "left"};
+    for (int k = 0; k < 4; k++) {
+        if (strcmp(plate->name, sides[k]))
+            continue;
+        struct vec a = scene->frame.corners_px[k], b = scene->frame.corners_px[(k + 1) % 4];
+        struct vec c = corners[k], d = corners[(k + 1) % 4];
+        struct vec along = vec_sub(b, a), now = vec_sub(d, c);
+        double turn = atan2(vec_cross(along, now), vec_dot(along, now)); /* clockwise as seen: y is down */
+        struct vec arm = vec_sub(vec(plate->x_ref, plate->y_ref), vec_scale(0.5, vec_add(a, b)));
+        struct vec moved = vec_add(vec_scale(0.5, vec_add(c, d)), vec_rotate(arm, turn));
+        plate->x = moved.x;
+        plate->y = moved.y;
+        plate->angle = -turn;
+    }
+}
+
+static struct plate plate_of(enum plate_kind kind, const char *name, const struct rect *rect)
+{
+    double x = 0.5 * (rect->x0 + rect->x1), y = 0.5 * (rect->y0 + rect->y1);
+    struct plate plate = {.kind = kind, .x = x, .y = y, .x_ref = x, .y_ref = y};
+    plate.width = fabs(rect->x1 - rect->x0);
+    plate.height = fabs(rect->y1 - rect->y0);
+    snprintf(plate.name, sizeof plate.name, "%s", name);
+    return plate;
+}
+
+static int make_plates(const struct scene *scene, struct picture *picture, struct plate **plates)
+{
+    size_t count = scene->drift_patch_count + scene->frame.marker_count;
+    *plates = calloc(count + 1, sizeof **plates);
+    if (!*plates)
+        return error_memory("paper and markers");
+    for (size_t k = 0; k < scene->drift_patch_count; k++)
+        (*plates)[k] = plate_of(PLATE_PAPER, "paper", &scene->drift_patches[k]);
+    for (size_t k = 0; k < scene->frame.marker_count; k++) {
+        const struct scene_marker *marker = &scene->frame.markers[k];
+        struct plate *plate = &(*plates)[scene->drift_patch_count + k];
+        *plate = plate_of(PLATE_MARKER, marker->wall, &marker->rect);
+        move_marker(scene, picture->corners, plate);
+    }
+    picture->plates = *plates;
+    picture->plate_count = count;
+    return 0;
+}
+
+/* Where the plates are: paper as the camera sees it, markers without the camera's motion. */
+static int describe_plates(const struct picture *picture, struct patches *patches)
+{
+    static const char *const columns[] = {"kind", "name", "x_px", "y_px", "dx_px", "dy_px", "angle", "flags", NULL};
+    struct camera camera = picture_camera(picture);
+    if (table_alloc(&PATCHES, patches, picture->plate_count, columns))
+        return -1;
+    for (size_t k = 0; k < picture->plate_count; k++) {
+        const struct plate *plate = &picture->plates[k];
+        struct vec at = vec(plate->x, plate->y);
+        double zoom = 1, turn = 0;
+        if (plate->kind == PLATE_PAPER) {
+            camera_local(&camera, at, &zoom, &turn);
+            at = camera_seen(&camera, at);
+        }
+        snprintf(patches->kind[k], NAME_LENGTH, "%s", plate->kind == PLATE_PAPER ? "drift" : "wall");
+        memcpy(patches->name[k], plate->name, NAME_LENGTH);
+        patches->x_px[k] = at.x;
+        patches->y_px[k] = at.y;
+        patches->dx_px[k] = at.x - plate->x_ref;
+        patches->dy_px[k] = at.y - plate->y_ref;
+        patches->angle[k] = plate->angle + turn;
+    }
+    return 0;
+}
+
+static void describe_seen(const struct picture *picture, struct photo_grains *grains)
+{
+    struct camera camera = picture_camera(picture);
+    for (size_t k = 0; k < grains->count; k++) {
+        struct vec at = vec(grains->x_px[k], grains->y_px[k]), seen = camera_seen(&camera, at);
+        double zoom, turn;
+        camera_local(&camera, at, &zoom, &turn);
+        grains->x_seen_px[k] = seen.x;
+        grains->y_seen_px[k] = seen.y;
+        grains->angle_seen[k] = grains->angle[k] + turn;
+    }
+}
+
 int picture_of(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,
-               struct photo_grains *grains, struct picture *picture)
+               struct photo_truth *truth, struct plate **plates, struct picture *picture)
 {
     if (!(scene->scale > 0))
         return scene_lacks(scene, "scale_m_per_px", "render needs the size of a pixel");
     if (scene->photos.width <= 0 || scene->photos.height <= 0)
         return scene_lacks(scene, "photos.size_px", "render needs the size of the photo");
-    if (project_grains(&packing->grains, optics, scene, grains))
+    if (project_grains(&packing->grains, optics, scene, &truth->grains))
         return -1;
     *picture = (struct picture){
-        .width = scene->photos.width, .height = scene->photos.height, .index = index, .grains = grains};
+        .width = scene->photos.width, .height = scene->photos.height, .index = index, .grains = &truth->grains};
     set_frame(packing, scene, picture);
-    struct camera camera = picture_camera(picture);
-    for (size_t k = 0; k < grains->count; k++) {
-        struct vec seen = camera_seen(&camera, vec(grains->x_px[k], grains->y_px[k]));
-        double zoom, turn;
-        camera_local(&camera, vec(grains->x_px[k], grains->y_px[k]), &zoom, &turn);
-        grains->x_seen_px[k] = seen.x;
-        grains->y_seen_px[k] = seen.y;
-        grains->angle_seen[k] = grains->angle[k] + turn;
-    }
-    return 0;
+    describe_seen(picture, &truth->grains);
+    return make_plates(scene, picture, plates) || describe_plates(picture, &truth->patches) ? -1 : 0;
 }
 
 /* ---- contacts of the faces ---- */
@@ -241,6 +320,7 @@ int photo_truth_write(const char *path, const struct photo_truth *truth, const s
     if (!writer)
         return -1;
     if (state_write(writer, "grains", &PHOTO_GRAINS, &truth->grains) ||
+        state_write(writer, "patches", &PATCHES, &truth->patches) ||
         state_write(writer, "contacts", &CONTACTS, &truth->contacts)) {
         state_discard(writer);
         return -1;
