@@ -4,8 +4,8 @@
  *     minimise phi(y) = 1/2 |P(z)|^2_W + b . y,   z = f0 + V A' y,   V = 1 / W,
  *
  * P the projection onto the wedge in the norm of W, in closed form; the gradient A P(z) + b is what is out of balance.
- * phi is once differentiable and piecewise quadratic: semismooth Newton (Qi and Sun 1993) with a proximal shift and
- * Armijo's line search converges from anywhere in a few tens of steps (docs/forces.md). */
+ * phi is once differentiable and piecewise quadratic: semismooth Newton (Qi and Sun 1993) with a proximal shift and a
+ * line search on the slope converges from anywhere in a few tens of steps (docs/forces.md). */
 #include "forces/method.h"
 
 #include <stdlib.h>
@@ -14,7 +14,10 @@
 #include "forces/sparse.h"
 #include "pipeline/error.h"
 
-enum { MAP_STEPS = 200, MAP_HALVINGS = 40 };
+#define MAP_FIRST_SHIFT 1e-5 /* of the largest diagonal entry */
+#define MAP_SLOPE 0.5
+#define MAP_LEAST_SHIFT 1e-11
+enum { MAP_STEPS = 500, MAP_LOOKS = 30, MAP_LONGEST = 1024 };
 
 struct map {
     const struct network *network;
@@ -80,11 +83,10 @@ static void project(double mu, const double v[2], double n, double t, double out
     curve[0] = pushes ? 1 / norm : 0, curve[1] = s * curve[0], curve[2] = s * s * curve[0];
 }
 
-/* phi(y), its gradient, the forces P(z); assembles the Newton matrix when asked. */
-static double evaluate(struct map *map, const double *y, double *gradient, int assemble)
+/* The gradient of phi at y and the forces P(z); assembles the Newton matrix when asked. */
+static void evaluate(struct map *map, const double *y, double *gradient, int assemble)
 {
     const struct network *network = map->network;
-    double phi = 0;
     network_motion(network, y, map->relative);
     if (assemble)
         sparse_clear(map->matrix);
@@ -94,7 +96,6 @@ static double evaluate(struct map *map, const double *y, double *gradient, int a
         double *f = &map->forces[2 * c], curve[3];
         project(contact->mu, v, map->prior[2 * c] + v[0] * map->relative[2 * c],
                 map->prior[2 * c + 1] + v[1] * map->relative[2 * c + 1], f, curve);
-        phi += 0.5 * (f[0] * f[0] / v[0] + (f[1] != 0 ? f[1] * f[1] / v[1] : 0));
         if (!assemble || curve[0] + curve[2] <= 0)
             continue;
         double block[NETWORK_WIDTH * NETWORK_WIDTH];
@@ -107,17 +108,6 @@ static double evaluate(struct map *map, const double *y, double *gradient, int a
         sparse_add(map->matrix, c, block);
     }
     network_unbalance(network, map->forces, gradient);
-    for (size_t d = 0; d < network->dofs; d++)
-        phi += network->load[d] * y[d];
-    return phi;
-}
-
-static double norm(size_t n, const double *a)
-{
-    double sum = 0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * a[k];
-    return sqrt(sum);
 }
 
 /* Newton direction; the shift keeps the matrix positive definite where contacts are open, and vanishes with the
@@ -132,26 +122,51 @@ static int direction(struct map *map, double shift)
     return 0;
 }
 
-/* Armijo's rule on phi; close to the solution, where phi no longer resolves the decrease, on the gradient. Leaves the
- * accepted point in y. 1: no decrease along this direction. */
-static int search(struct map *map, double phi)
+static double slope_at(struct map *map, double length)
 {
     size_t n = map->network->dofs;
-    double slope = 0, before = norm(n, map->gradient), length = 1;
+    double slope = 0;
     for (size_t d = 0; d < n; d++)
-        slope += map->gradient[d] * map->step[d];
-    for (int k = 0; k < MAP_HALVINGS; k++, length /= 2) {
-        for (size_t d = 0; d < n; d++)
-            map->trial[d] = map->y[d] + length * map->step[d];
-        double there = evaluate(map, map->trial, map->trial_gradient, 0);
-        int lower = there <= phi + 1e-4 * length * slope;
-        int rounding = fabs(there - phi) <= 1e-10 * fabs(phi) && norm(n, map->trial_gradient) < before;
-        if (!lower && !rounding)
-            continue;
-        memcpy(map->y, map->trial, n * sizeof(double));
+        map->trial[d] = map->y[d] + length * map->step[d];
+    evaluate(map, map->trial, map->trial_gradient, 0);
+    for (size_t d = 0; d < n; d++)
+        slope += map->trial_gradient[d] * map->step[d];
+    return slope;
+}
+
+/* The minimum of phi along the step, from its slope, which grows along the line: bracketed by doubling, closed in by
+ * regula falsi (Illinois) until half of the first slope is left. An evaluation costs a small part of a
+ * factorisation. Moves y and returns the length; 0: no decrease. */
+static double search(struct map *map)
+{
+    size_t n = map->network->dofs;
+    double first = 0, low = 0, high = 1, at_low, at_high, length = 1;
+    for (size_t d = 0; d < n; d++)
+        first += map->gradient[d] * map->step[d];
+    if (!(first < 0))
         return 0;
+    at_low = first;
+    for (at_high = slope_at(map, high); at_high < MAP_SLOPE * first && high < MAP_LONGEST;
+         at_high = slope_at(map, high))
+        low = high, at_low = at_high, high *= 2;
+    length = high;
+    double here = at_high;
+    for (int k = 0, side = 0; k < MAP_LOOKS && at_high > 0 && fabs(here) > -MAP_SLOPE * first; k++) {
+        length = (low * at_high - high * at_low) / (at_high - at_low);
+        here = slope_at(map, length);
+        if (here > 0) {
+            high = length, at_high = here;
+            at_low /= side == 1 ? 2 : 1;
+            side = 1;
+        } else {
+            low = length, at_low = here;
+            at_high /= side == -1 ? 2 : 1;
+            side = -1;
+        }
     }
-    return 1;
+    for (size_t d = 0; d < n; d++)
+        map->y[d] += length * map->step[d];
+    return length;
 }
 
 static int iterate(struct map *map, double *f, struct outcome *outcome)
@@ -159,9 +174,10 @@ static int iterate(struct map *map, double *f, struct outcome *outcome)
     const struct network *network = map->network;
     size_t size = 2 * network->count * sizeof(double);
     int limit = map->options->iterations > 0 ? map->options->iterations : MAP_STEPS;
-    double best = INFINITY;
+    double best = INFINITY, shift = MAP_FIRST_SHIFT;
     for (outcome->iterations = 0;; outcome->iterations++) {
-        double phi = evaluate(map, map->y, map->gradient, 1), largest = 0;
+        double largest = 0;
+        evaluate(map, map->y, map->gradient, 1);
         for (size_t d = 0; d < network->dofs; d++)
             largest = fmax(largest, fabs(map->gradient[d]));
         double imbalance = largest / network_mean_force(network, map->forces);
@@ -172,10 +188,12 @@ static int iterate(struct map *map, double *f, struct outcome *outcome)
         if (imbalance <= map->options->tolerance || outcome->iterations >= limit)
             break;
         double scale = sparse_largest(map->matrix);
-        if (direction(map, (scale > 0 ? scale : 1) * fmin(1e-2, 1e-3 * norm(network->dofs, map->gradient))))
+        if (direction(map, (scale > 0 ? scale : 1) * shift))
             return -1;
-        if (search(map, phi))
+        double length = search(map);
+        if (length == 0)
             break;
+        shift = length > 0.5 ? fmax(MAP_LEAST_SHIFT, shift / 10) : length < 0.1 ? fmin(1, shift * 4) : shift;
     }
     outcome->imbalance = best;
     outcome->converged = best <= map->options->tolerance;

@@ -1,0 +1,560 @@
+/* The force methods on a virtual packing whose forces are known, and on inputs that are hard: each has an expected
+ * status, and the balance of every grain is added up again here, from the file's columns alone. */
+#include <stdlib.h>
+
+#include "tests/unit/discs.h"
+
+#include "forces/infer_forces.h"
+#include "pipeline/error.h"
+#include "simulation/simulate.h"
+
+#define KN 1.09e7
+
+static struct packing isotropic, strained; /* two states of one packing, kappa = 300 */
+
+static void copy_packing(const struct packing *from, struct packing *to)
+{
+    memset(to, 0, sizeof *to);
+    to->length_m = from->length_m;
+    check_done(table_copy(&GRAINS, &to->grains, &from->grains));
+    check_done(table_copy(&WALLS, &to->walls, &from->walls));
+    check_done(table_copy(&CONTACTS, &to->contacts, &from->contacts));
+    to->forces = calloc(from->force_count + 1, sizeof *to->forces);
+    to->force_count = from->force_count;
+    for (size_t k = 0; k < from->force_count; k++) {
+        to->forces[k] = from->forces[k];
+        memset(&to->forces[k].contact, 0, sizeof to->forces[k].contact);
+        memset(&to->forces[k].residual, 0, sizeof to->forces[k].residual);
+        check_done(table_copy(&CONTACT_FORCES, &to->forces[k].contact, &from->forces[k].contact));
+        check_done(table_copy(&RESIDUALS, &to->forces[k].residual, &from->forces[k].residual));
+    }
+}
+
+static int keep_state(const struct packing *packing, const struct simulation_state *state, void *user)
+{
+    (void)user;
+    copy_packing(packing, state->index == 0 ? &isotropic : &strained);
+    return 0;
+}
+
+static int simulate_once(void **state)
+{
+    (void)state;
+    struct simulation simulation = SIMULATION_DEFAULT;
+    const struct grade grading[] = {{52, 8e-3}, {28, 12e-3}, {26, 14e-3}, {14, 20e-3}};
+    const struct strain_steps steps[] = {{1, 2e-3}};
+    simulation.grading = grading, simulation.grade_count = 4;
+    simulation.law = (struct contact_law){LAW_LINEAR, KN, 1, 0.5, 0};
+    simulation.kappa = 300;
+    simulation.tolerance = 1e-9;
+    simulation.test = TEST_BIAXIAL_VERTICAL;
+    simulation.steps = steps, simulation.step_count = 1;
+    return simulate(&simulation, keep_state, NULL);
+}
+
+static int forget(void **state)
+{
+    (void)state;
+    packing_free(&isotropic);
+    packing_free(&strained);
+    return 0;
+}
+
+static struct force_options usual(void)
+{
+    struct force_options options = FORCE_OPTIONS_DEFAULT;
+    options.law.kn = KN;
+    options.law.mu = 0.5;
+    return options;
+}
+
+/* Largest unbalanced force on a grain that any contact pushes, or on a free wall, over the mean pushing force. */
+static double add_up(const struct packing *packing, const struct forces *forces)
+{
+    const struct contacts *c = &packing->contacts;
+    const struct grains *g = &packing->grains;
+    double *sum = calloc(3 * (g->count + packing->walls.count), sizeof *sum), largest = 0, mean = 0, pushing = 0;
+    for (size_t k = 0; k < c->count; k++) {
+        double fn = forces->contact.fn[k], ft = forces->contact.ft[k];
+        double fx = fn * c->nx[k] - ft * c->ny[k], fy = fn * c->ny[k] + ft * c->nx[k];
+        size_t i = (size_t)c->i[k], j = (size_t)c->j[k];
+        assert_true(isfinite(fn) && isfinite(ft) && fn >= 0);
+        if (fn > 0)
+            mean += fn, pushing++;
+        sum[3 * i] -= fx, sum[3 * i + 1] -= fy;
+        sum[3 * i + 2] -= (c->x[k] - g->x[i]) * fy - (c->y[k] - g->y[i]) * fx;
+        sum[3 * j] += fx, sum[3 * j + 1] += fy;
+        if (j < g->count)
+            sum[3 * j + 2] += (c->x[k] - g->x[j]) * fy - (c->y[k] - g->y[j]) * fx;
+    }
+    mean = pushing > 0 ? mean / pushing : 1;
+    for (size_t k = 0; k < g->count; k++) {
+        if (g->flags[k] & GRAIN_FIXED)
+            continue;
+        sum[3 * k] += g->load_x ? g->load_x[k] : 0;
+        sum[3 * k + 1] += g->load_y ? g->load_y[k] : 0;
+        check_near(sum[3 * k], forces->residual.residual_x[k], 1e-9 * mean);
+        check_near(sum[3 * k + 1], forces->residual.residual_y[k], 1e-9 * mean);
+        check_near(sum[3 * k + 2], forces->residual.residual_m[k], 1e-9 * mean * g->radius[k]);
+        largest = fmax(largest, fmax(fabs(sum[3 * k]), fabs(sum[3 * k + 1])));
+        largest = fmax(largest, fabs(sum[3 * k + 2]) / g->radius[k]);
+    }
+    for (size_t w = 0; w < packing->walls.count; w++) {
+        const double *wall = &sum[3 * (g->count + w)];
+        double fx = packing->walls.fx[w], fy = packing->walls.fy[w];
+        int upright = fabs(wall_inward(&packing->walls, w).x) > 0.5;
+        if (upright && isfinite(fx) && strncmp(packing->walls.name[w], "left", 5))
+            largest = fmax(largest, fabs(wall[0] + fx));
+        if (!upright && isfinite(fy) && strncmp(packing->walls.name[w], "bottom", 7))
+            largest = fmax(largest, fabs(wall[1] + fy));
+    }
+    free(sum);
+    return largest / mean;
+}
+
+static double pearson(size_t count, const double *a, const double *b)
+{
+    double ma = 0, mb = 0, ab = 0, aa = 0, bb = 0;
+    for (size_t k = 0; k < count; k++)
+        ma += a[k] / (double)count, mb += b[k] / (double)count;
+    for (size_t k = 0; k < count; k++)
+        ab += (a[k] - ma) * (b[k] - mb), aa += (a[k] - ma) * (a[k] - ma), bb += (b[k] - mb) * (b[k] - mb);
+    return ab / sqrt(aa * bb);
+}
+
+static double r_fn(const struct packing *packing, const struct forces *forces)
+{
+    return pearson(forces->contact.count, forces->contact.fn, packing->forces[0].contact.fn);
+}
+
+static double r_ft(const struct packing *packing, const struct forces *forces)
+{
+    return pearson(forces->contact.count, forces->contact.ft, packing->forces[0].contact.ft);
+}
+
+/* Infer, and hold the result to what it says about itself: admissible, finite, in balance where it says so. The judge
+ * divides moments by the mean radius, add_up() by each grain's: a factor of four covers the grading. */
+static void infer_and_check(const struct packing *packing, const struct force_options *options,
+                            enum force_method method, struct forces *forces)
+{
+    check_done(infer_forces(packing, options, method, forces));
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        double mu = packing->contacts.j[c] < (int64_t)packing->grains.count ? options->law.mu : options->law.mu_wall;
+        check_at_most(fabs(forces->contact.ft[c]), mu * forces->contact.fn[c] * (1 + 1e-12));
+    }
+    assert_true(isfinite(forces->imbalance));
+    double balance = add_up(packing, forces);
+    check_at_most(balance, 4 * forces->imbalance + 1e-12);
+    assert_int_equal(forces->converged, forces->imbalance <= options->tolerance);
+}
+
+/* ---- the truth recovered ---- */
+
+static void overlaps_give_the_forces_back(void **state)
+{
+    (void)state;
+    static const double least_n[METHOD_COUNT] = {0, 0.9, 0.95, 0.999}, least_t[METHOD_COUNT] = {0, 0.8, 0.9, 0.99};
+    const struct packing *states[] = {&isotropic, &strained};
+    for (int s = 0; s < 2; s++)
+        for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+            struct force_options options = usual();
+            struct forces forces;
+            options.start = START_OVERLAP;
+            infer_and_check(states[s], &options, (enum force_method)method, &forces);
+            check_at_most(least_n[method], r_fn(states[s], &forces));
+            check_at_most(least_t[method], r_ft(states[s], &forces));
+            if (method != METHOD_CDM)
+                assert_true(forces.converged);
+            check_near(forces.stress[0][0] / states[s]->forces[0].stress[0][0], 1, 0.05);
+            check_near(forces.stress[1][1] / states[s]->forces[0].stress[1][1], 1, 0.05);
+            forces_free(&forces);
+        }
+}
+
+/* Thesis 3.5.2: true normal forces held give the tangential ones, r > 0.995, and the reverse. */
+static void half_the_truth_gives_the_other_half(void **state)
+{
+    (void)state;
+    for (int fix = FIX_NORMAL; fix <= FIX_TANGENTIAL; fix++)
+        for (int method = METHOD_CDM; method <= METHOD_QSM; method++) {
+            struct force_options options = usual();
+            struct packing start;
+            struct forces forces;
+            copy_packing(&isotropic, &start);
+            double *lost = fix == FIX_NORMAL ? start.forces[0].contact.ft : start.forces[0].contact.fn;
+            for (size_t c = 0; c < start.contacts.count; c++)
+                lost[c] = 0;
+            options.start = START_FILE, options.from = &start;
+            options.fix = (enum force_fix)fix;
+            options.tolerance = 1e-5; /* of the truth's own 1e-9 */
+            infer_and_check(&isotropic, &options, (enum force_method)method, &forces);
+            check_at_most(0.995, fix == FIX_NORMAL ? r_ft(&isotropic, &forces) : r_fn(&isotropic, &forces));
+            forces_free(&forces);
+            packing_free(&start);
+        }
+}
+
+/* cem: the state before and the measured motions. Elastic contacts that stay are followed to the second order of the
+ * rotation of their normals. */
+static void motions_carry_the_forces_on(void **state)
+{
+    (void)state;
+    struct force_options options = usual();
+    struct forces forces;
+    options.previous = &isotropic;
+    infer_and_check(&strained, &options, METHOD_CEM, &forces);
+    check_at_most(0.9, r_fn(&strained, &forces));
+    assert_string_equal(forces.start, "previous");
+    forces_free(&forces);
+}
+
+/* ---- units ---- */
+
+static void forces_of_any_size(void **state)
+{
+    (void)state;
+    static const double scales[] = {1e-12, 1e12};
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces reference;
+        infer_and_check(&isotropic, &options, (enum force_method)method, &reference);
+        for (int s = 0; s < 2; s++) {
+            struct packing scaled;
+            struct forces forces;
+            copy_packing(&isotropic, &scaled);
+            for (size_t w = 0; w < scaled.walls.count; w++)
+                scaled.walls.fx[w] *= scales[s], scaled.walls.fy[w] *= scales[s];
+            options.law.kn = KN * scales[s];
+            infer_and_check(&scaled, &options, (enum force_method)method, &forces);
+            assert_int_equal(forces.converged, reference.converged);
+            for (size_t c = 0; c < forces.contact.count; c++)
+                check_near(forces.contact.fn[c] / scales[s], reference.contact.fn[c], 1e-3);
+            forces_free(&forces);
+            packing_free(&scaled);
+        }
+        forces_free(&reference);
+    }
+}
+
+static void millimetres(void **state)
+{
+    (void)state;
+    struct packing mm;
+    copy_packing(&isotropic, &mm);
+    struct grains *g = &mm.grains;
+    for (size_t k = 0; k < g->count; k++)
+        g->x[k] *= 1e3, g->y[k] *= 1e3, g->radius[k] *= 1e3, g->inertia[k] *= 1e6;
+    for (size_t w = 0; w < mm.walls.count; w++)
+        mm.walls.x0[w] *= 1e3, mm.walls.y0[w] *= 1e3, mm.walls.x1[w] *= 1e3, mm.walls.y1[w] *= 1e3;
+    for (size_t c = 0; c < mm.contacts.count; c++)
+        mm.contacts.x[c] *= 1e3, mm.contacts.y[c] *= 1e3, mm.contacts.overlap[c] *= 1e3;
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces metres, forces;
+        infer_and_check(&isotropic, &options, (enum force_method)method, &metres);
+        options.law.kn = KN / 1e3;
+        check_done(infer_forces(&mm, &options, (enum force_method)method, &forces));
+        for (size_t c = 0; c < forces.contact.count; c++)
+            check_near(forces.contact.fn[c], metres.contact.fn[c], 1e-3);
+        forces_free(&metres);
+        forces_free(&forces);
+    }
+    packing_free(&mm);
+}
+
+/* ---- parameters at their ends ---- */
+
+static void friction_of_any_size(void **state)
+{
+    (void)state;
+    static const double mu[] = {0, 1e-3, 1e3};
+    for (int m = 0; m < 3; m++)
+        for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+            struct force_options options = usual();
+            struct forces forces;
+            options.law.mu = mu[m];
+            options.iterations = method == METHOD_CDM ? 500 : 200;
+            infer_and_check(&strained, &options, (enum force_method)method, &forces);
+            if (mu[m] < 0.01) /* a packing that needs friction cannot stand without */
+                assert_false(forces.converged);
+            else if (method != METHOD_CDM)
+                assert_true(forces.converged);
+            forces_free(&forces);
+        }
+}
+
+static void tangential_stiffness_of_any_size(void **state)
+{
+    (void)state;
+    static const double ratio[] = {0, 1e-6, 1e6};
+    for (int k = 0; k < 3; k++) {
+        struct force_options options = usual();
+        struct forces forces;
+        options.law.kt_over_kn = ratio[k];
+        options.iterations = 300;
+        infer_and_check(&isotropic, &options, METHOD_QSM, &forces);
+        if (k == 0) /* no tangential force can build up: the grains that need one stay out of balance */
+            assert_false(forces.converged);
+        forces_free(&forces);
+        infer_and_check(&isotropic, &options, METHOD_MAP, &forces);
+        assert_true(forces.converged);
+        forces_free(&forces);
+    }
+}
+
+static void wall_mass_is_no_part_of_the_answer(void **state)
+{
+    (void)state;
+    static const double mass[] = {1, 1e8};
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces reference;
+        infer_and_check(&isotropic, &options, (enum force_method)method, &reference);
+        for (int m = 0; m < 2; m++) {
+            struct forces forces;
+            options.wall_mass = mass[m];
+            options.iterations = method == METHOD_CDM ? 2000 : 0;
+            infer_and_check(&isotropic, &options, (enum force_method)method, &forces);
+            for (size_t c = 0; c < forces.contact.count && method != METHOD_CDM; c++)
+                assert_true(forces.contact.fn[c] == reference.contact.fn[c]);
+            if (method == METHOD_CDM && m == 1)
+                assert_false(forces.converged); /* and says so */
+            forces_free(&forces);
+        }
+        forces_free(&reference);
+    }
+}
+
+/* ---- networks that are hard ---- */
+
+static void append_contacts(struct packing *packing, size_t extra)
+{
+    struct contacts longer = {0};
+    size_t before = packing->contacts.count;
+    check_done(table_alloc(&CONTACTS, &longer, before + extra, TOUCH_COLUMNS));
+    for (size_t c = 0; c < before + extra; c++) {
+        size_t k = c < before ? c : (7 * c) % before;
+        const struct contacts *from = &packing->contacts;
+        longer.i[c] = from->i[k], longer.j[c] = from->j[k];
+        longer.nx[c] = from->nx[k], longer.ny[c] = from->ny[k];
+        longer.x[c] = from->x[k], longer.y[c] = from->y[k];
+        longer.overlap[c] = from->overlap[k], longer.flags[c] = from->flags[k];
+    }
+    table_free(&CONTACTS, &packing->contacts);
+    packing->contacts = longer;
+}
+
+static void duplicate_contacts(void **state)
+{
+    (void)state;
+    struct packing packing;
+    copy_packing(&isotropic, &packing);
+    append_contacts(&packing, 20);
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces forces;
+        infer_and_check(&packing, &options, (enum force_method)method, &forces);
+        if (method != METHOD_CDM)
+            assert_true(forces.converged);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
+/* A hexagonal crystal in a box: far more contacts than equilibrium needs. */
+static void hexagonal_crystal(void **state)
+{
+    (void)state;
+    const size_t nx = 12, ny = 12;
+    const double r = 0.01, rise = r * sqrt(3);
+    struct packing packing;
+    discs_begin(&packing, nx * ny);
+    for (size_t k = 0; k < nx * ny; k++)
+        disc_put(&packing, k, r * (1 + 2 * (double)(k % nx) + (double)((k / nx) % 2)), r + rise * (double)(k / nx), r);
+    discs_box(&packing, r * (2 * (double)nx + 1), 2 * r + rise * (double)(ny - 1), 0);
+    discs_load_wall(&packing, "right", -1000, 0);
+    discs_load_wall(&packing, "top", 0, -1200);
+    discs_touch(&packing, 1e-6 * r);
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces forces;
+        options.start = START_ZERO;
+        infer_and_check(&packing, &options, (enum force_method)method, &forces);
+        if (method != METHOD_CDM)
+            assert_true(forces.converged);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
+/* Three discs in a row between two fixed ones, bent by 1e-4: a near mechanism, the middle one loaded along the arch. */
+static void nearly_straight_arch(void **state)
+{
+    (void)state;
+    struct packing packing;
+    const double r = 0.01, bend = 1e-4;
+    discs_begin(&packing, 5);
+    for (size_t k = 0; k < 5; k++)
+        disc_put(&packing, k, 2 * r * (double)k, bend * r * (double)(k * (4 - k)), r);
+    packing.grains.flags[0] = packing.grains.flags[4] = GRAIN_FIXED;
+    packing.grains.load_y[2] = -1e-3;
+    discs_touch(&packing, 1e-3 * r);
+    assert_int_equal(packing.contacts.count, 4);
+    for (int method = METHOD_QSM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces forces;
+        options.start = START_MEAN;
+        infer_and_check(&packing, &options, (enum force_method)method, &forces);
+        assert_true(forces.converged);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
+static void rattlers_carry_nothing(void **state)
+{
+    (void)state;
+    struct packing packing;
+    discs_square_lattice(&packing, 3, 3, 0.01, 90, 90);
+    for (size_t c = 0; c < packing.contacts.count; c++) /* leave the corner grain 8 one contact only */
+        if ((packing.contacts.i[c] == 8 && packing.contacts.j[c] > 8) ||
+            (packing.contacts.i[c] == 5 && packing.contacts.j[c] == 8))
+            packing.contacts.flags[c] |= CONTACT_NOT_FINITE;
+    struct force_options options = usual();
+    struct forces forces;
+    options.start = START_MEAN;
+    infer_and_check(&packing, &options, METHOD_QSM, &forces);
+    size_t unused = 0;
+    for (size_t c = 0; c < packing.contacts.count; c++) {
+        int at_8 = packing.contacts.i[c] == 8 || packing.contacts.j[c] == 8;
+        assert_int_equal(forces.contact.status[c] == STATUS_NOT_USED, at_8);
+        unused += at_8;
+        if (at_8)
+            check_near(forces.contact.fn[c], 0, 0);
+    }
+    assert_int_equal(unused, 4);
+    forces_free(&forces);
+    packing_free(&packing);
+}
+
+static void no_contact_at_all(void **state)
+{
+    (void)state;
+    struct packing packing;
+    discs_begin(&packing, 2);
+    disc_put(&packing, 0, 0.3, 0.3, 0.1);
+    disc_put(&packing, 1, 0.7, 0.7, 0.1);
+    discs_box(&packing, 1, 1, 0);
+    discs_load_wall(&packing, "top", 0, -10);
+    discs_touch(&packing, 1e-9);
+    assert_int_equal(packing.contacts.count, 0);
+    for (int method = METHOD_CEM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces forces;
+        check_done(infer_forces(&packing, &options, (enum force_method)method, &forces));
+        assert_false(forces.converged); /* nothing carries the top wall */
+        assert_true(isfinite(forces.imbalance) && forces.imbalance > 0);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
+/* The strongest 3 % of the contacts are missing: no admissible forces balance the loads. */
+static void loads_that_cannot_be_balanced(void **state)
+{
+    (void)state;
+    struct packing packing;
+    copy_packing(&strained, &packing);
+    for (size_t lost = 0; lost < packing.contacts.count * 3 / 100; lost++) {
+        size_t strongest = 0;
+        for (size_t c = 0; c < packing.contacts.count; c++)
+            if (!(packing.contacts.flags[c] & CONTACT_NOT_FINITE) &&
+                (packing.contacts.flags[strongest] & CONTACT_NOT_FINITE ||
+                 packing.forces[0].contact.fn[c] > packing.forces[0].contact.fn[strongest]))
+                strongest = c;
+        packing.contacts.flags[strongest] |= CONTACT_NOT_FINITE;
+    }
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        struct forces forces;
+        options.iterations = method == METHOD_CDM ? 1000 : 200;
+        infer_and_check(&packing, &options, (enum force_method)method, &forces);
+        assert_false(forces.converged);
+        assert_true(forces_unbalanced_grains(&packing, &forces, 0.01) > 0);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
+/* ---- input that is refused ---- */
+
+static void check_refused(const struct packing *packing, const struct force_options *options, enum force_method method,
+                          const char *word)
+{
+    struct forces forces;
+    assert_int_equal(infer_forces(packing, options, method, &forces), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    if (!strstr(error_message(), word))
+        fail_msg("'%s' does not speak of '%s'", error_message(), word);
+    error_clear();
+}
+
+static void missing_numbers_are_named(void **state)
+{
+    (void)state;
+    struct force_options options = usual();
+    struct packing packing;
+    options.law.mu = NAN;
+    check_refused(&isotropic, &options, METHOD_QSM, "contact.mu");
+    options = usual(), options.law.kn = NAN;
+    check_refused(&isotropic, &options, METHOD_CEM, "kn_N_per_m");
+    check_refused(&isotropic, &options, METHOD_QSM, "kn_N_per_m");
+    check_refused(&isotropic, &options, METHOD_MAP, "kn_N_per_m");
+    options.start = START_OVERLAP;
+    check_refused(&isotropic, &options, METHOD_CDM, "kn_N_per_m");
+    options = usual(), options.start = START_PREVIOUS;
+    check_refused(&isotropic, &options, METHOD_QSM, "--previous");
+    options = usual();
+    discs_begin(&packing, 1);
+    disc_put(&packing, 0, 0, 0, 1);
+    check_refused(&packing, &options, METHOD_CDM, "holds the packing");
+    packing_free(&packing);
+}
+
+static void nan_is_refused(void **state)
+{
+    (void)state;
+    struct force_options options = usual();
+    for (int column = 0; column < 7; column++) {
+        struct packing packing;
+        copy_packing(&isotropic, &packing);
+        double *columns[] = {packing.contacts.nx, packing.contacts.x,    packing.contacts.overlap, packing.grains.x,
+                             packing.grains.y,    packing.grains.radius, packing.contacts.ny};
+        columns[column][3] = NAN;
+        check_refused(&packing, &options, METHOD_QSM, "3");
+        packing_free(&packing);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(overlaps_give_the_forces_back),
+        cmocka_unit_test(half_the_truth_gives_the_other_half),
+        cmocka_unit_test(motions_carry_the_forces_on),
+        cmocka_unit_test(forces_of_any_size),
+        cmocka_unit_test(millimetres),
+        cmocka_unit_test(friction_of_any_size),
+        cmocka_unit_test(tangential_stiffness_of_any_size),
+        cmocka_unit_test(wall_mass_is_no_part_of_the_answer),
+        cmocka_unit_test(duplicate_contacts),
+        cmocka_unit_test(hexagonal_crystal),
+        cmocka_unit_test(nearly_straight_arch),
+        cmocka_unit_test(rattlers_carry_nothing),
+        cmocka_unit_test(no_contact_at_all),
+        cmocka_unit_test(loads_that_cannot_be_balanced),
+        cmocka_unit_test(missing_numbers_are_named),
+        cmocka_unit_test(nan_is_refused),
+    };
+    return cmocka_run_group_tests(tests, simulate_once, forget);
+}
