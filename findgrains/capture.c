@@ -201,12 +201,12 @@ static void weigh(const struct rays *rays, struct candidate *found)
 }
 
 int capture_rim(const struct level *level, const struct rim *place, double void_level, uint64_t key,
-                struct candidate *found)
+                double least_contrast, struct candidate *found)
 {
     struct rays rays;
     double contrast = inner_level(level, place) - void_level;
     *found = (struct candidate){.rim = *place};
-    if (!(contrast > 0))
+    if (!(contrast > least_contrast))
         return 0;
     scan_rays(level, place, contrast, &rays);
     if (rays.usable_count < RAYS / 8 || !(best_circle(&rays, place, key, &found->rim) > 0))

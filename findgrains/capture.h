@@ -8,9 +8,10 @@
 #include "findgrains/level.h"
 #include "findgrains/rim.h"
 
-/* `place`: a rough rim in level coordinates; `key`: of the random numbers. 1: *found holds a rim in level coordinates
+/* `place`: a rough rim in level coordinates; `key`: of the random numbers; a
+ * grain is brighter than the void by `least_contrast` at least. 1: *found holds a rim in level coordinates
  * with its support; 0: there is none. */
 int capture_rim(const struct level *level, const struct rim *place, double void_level, uint64_t key,
-                struct candidate *found);
+                double least_contrast, struct candidate *found);
 
 #endif

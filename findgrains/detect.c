@@ -12,6 +12,7 @@
 #define FINEST 6.0      /* level pixels of the smallest radius when the photo has to be magnified */
 #define MARGIN 1.06     /* radii this much outside the range are looked for as well */
 #define LEAST_SUPPORT 0.30
+#define LEAST_GREY 0.2 /* of the contrast: a grain is at least that much brighter than the voids */
 #define MOST_ONE_SIDED 0.72
 
 struct octave {
@@ -47,11 +48,12 @@ static void to_photo(const struct level *level, struct candidate *item)
 static void capture_peaks(const struct octave *octave, const struct grey_levels *levels, double low, double high,
                           struct candidates *peaks)
 {
+    double least = LEAST_GREY * (levels->grain_level - levels->void_level);
 #pragma omp parallel for schedule(dynamic, 16)
     for (size_t k = 0; k < peaks->count; k++) {
         struct rim place = to_fine(octave, &peaks->items[k].rim);
         struct candidate found;
-        int held = capture_rim(&octave->fine, &place, levels->void_level, k, &found);
+        int held = capture_rim(&octave->fine, &place, levels->void_level, k, least, &found);
         to_photo(&octave->fine, &found);
         if (!held || found.rim.radius < low / MARGIN || found.rim.radius > high * MARGIN ||
             found.one_side > MOST_ONE_SIDED)

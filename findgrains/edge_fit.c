@@ -9,7 +9,9 @@
 enum { LEVEL_OUT, STEP, SHIFT, NEIGHBOUR, BLUR, GREY, COLUMNS };
 enum { PRODUCTS = COLUMNS * COLUMNS, PIXELS = PRODUCTS, NEAREST, SUMS };
 
-#define HIDDEN_GAP 1.2   /* blurs: a sector whose rim is nearer to a neighbour's than this tells nothing */
+#define HIDDEN_GAP 1.2    /* blurs: a sector whose rim is nearer to a neighbour's than this tells nothing */
+#define LEAST_SECTORS 8.0 /* of a rim */
+#define LEAST_SEEN 7
 #define INSIDE_OTHER 1.0 /* blurs: pixels deeper than this inside a neighbour are left out */
 #define OUTSIDE_ZONE 1.0 /* blurs: pixels nearer than this to the frame are left out */
 
@@ -31,7 +33,7 @@ static int make_room(struct edge_work *work, int count)
         struct sector *sectors = realloc(work->sectors, (size_t)count * sizeof *sectors);
         if (sectors)
             work->sectors = sectors;
-        double *sums = realloc(work->sums, (size_t)count * SUMS * sizeof *sums);
+        double *sums = realloc(work->sums, (size_t)count * (SUMS + 1) * sizeof *sums);
         if (sums)
             work->sums = sums;
         if (!sectors || !sums)
@@ -167,8 +169,37 @@ static int solve(int n, double m[][COLUMNS + 2])
     return 1;
 }
 
+/* The void's level is known roughly; a neighbour's step is about as high as other steps, or half or twice that. */
+static void add_priors(double *sums, const struct edge_settings *settings)
+{
+    double noise2 = settings->noise * settings->noise,
+           weight = noise2 / (settings->void_spread * settings->void_spread);
+    sums[LEVEL_OUT * COLUMNS + LEVEL_OUT] += weight;
+    sums[LEVEL_OUT * COLUMNS + GREY] += weight * settings->void_level;
+    sums[GREY * COLUMNS + GREY] += weight * settings->void_level * settings->void_level;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Small rims have neighbours all around: at most half of a rim counts as hidden, and at least LEAST_SEEN sectors are
+ * seen. */
+static double hidden_gap_of(const struct edge_work *work, double blur)
+{
+    double *gaps = work->sums + (size_t)work->count * SUMS; /* room behind the sums */
+    for (int k = 0; k < work->count; k++)
+        gaps[k] = work->sums[(size_t)k * SUMS + NEAREST];
+    qsort(gaps, (size_t)work->count, sizeof *gaps, ascending);
+    int seen = work->count - work->count / 2;
+    seen = seen < LEAST_SEEN ? LEAST_SEEN : seen;
+    return fmin(HIDDEN_GAP * blur, gaps[work->count - seen]);
+}
+
 /* Least squares of one sector from its sums. */
-static void fit_sector(const double *sums, const struct edge_settings *settings, struct sector *sector)
+static void fit_sector(double *sums, double hidden_gap, const struct edge_settings *settings, struct sector *sector)
 {
     int active[COLUMNS], n = 0;
     active[n++] = LEVEL_OUT;
@@ -180,10 +211,11 @@ static void fit_sector(const double *sums, const struct edge_settings *settings,
     int blur_at = n;
     if (settings->fit_blur)
         active[n++] = BLUR;
-    sector->hidden = sums[NEAREST] < HIDDEN_GAP * settings->blur;
+    sector->hidden = sums[NEAREST] < hidden_gap;
     double pixels = sums[PIXELS];
-    if (sector->hidden || pixels < n + 3)
+    if (sector->hidden || pixels < n + 1)
         return;
+    add_priors(sums, settings);
     double m[COLUMNS][COLUMNS + 2];
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
@@ -211,16 +243,17 @@ static void fit_sector(const double *sums, const struct edge_settings *settings,
 int edge_fit(const struct photo *photo, const struct zone *zone, const struct rim *rim, const struct rim *others,
              size_t other_count, const struct edge_settings *settings, struct edge_work *work)
 {
-    int count = (int)fmax(12, floor(2 * M_PI * rim->radius / settings->sector));
+    int count = (int)fmax(LEAST_SECTORS, floor(2 * M_PI * rim->radius / settings->sector));
     if (make_room(work, count))
         return -1;
     double s = settings->blur, reach = rim->radius + settings->window + 2 * s;
     struct annulus ring = {photo, zone, rim, others, other_count, settings, .shrink = s * s / (2 * rim->radius)};
     ring.near_frame = zone->has_frame && zone_depth(zone, rim->x, rim->y) < reach;
     add_annulus(&ring, work);
+    double hidden_gap = hidden_gap_of(work, s);
     for (int k = 0; k < count; k++) {
         work->sectors[k] = (struct sector){.theta = 2 * M_PI * ((k + 0.5) / count - 0.5)};
-        fit_sector(work->sums + (size_t)k * SUMS, settings, &work->sectors[k]);
+        fit_sector(work->sums + (size_t)k * SUMS, hidden_gap, settings, &work->sectors[k]);
     }
     return 0;
 }

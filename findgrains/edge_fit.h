@@ -22,6 +22,11 @@ struct edge_settings {
     double sector;     /* length of a sector along the rim, px */
     int fit_blur;      /* also fit b */
     double least_step; /* grey levels: sectors with a smaller A have no edge */
+    double
+        void_level; /* prior of B, with a standard deviation of void_spread: decides only where a sector sees no void */
+    double void_spread;
+    double damping; /* share of a step that is taken: a blur assumed too large makes steps too long */
+    double noise;   /* grey levels, of a pixel: the weight of the prior against the pixels */
 };
 
 struct sector {

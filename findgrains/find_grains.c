@@ -12,8 +12,12 @@
 #define WEAK_SUPPORT 0.40  /* less is flagged */
 #define LEAST_STEP 0.15    /* of the contrast: a sector with less has no edge */
 #define FIRST_BLUR 1.0     /* px, before it is estimated */
+#define FIRST_NOISE 0.03   /* of the contrast, before it is estimated */
+#define VOID_SPREAD 0.25   /* of the contrast: how far the void's level may be from its median */
 #define SECTOR 3.0         /* px along the rim */
-#define CUT_DEPTH 1.5      /* px that a rim may lie beyond the frame before the grain counts as cut */
+#define STILL 0.004        /* px of the last step: far below any standard error */
+#define ROUNDS 10
+#define CUT_DEPTH 1.5 /* px that a rim may lie beyond the frame before the grain counts as cut */
 
 static int radius_range(const struct find_options *options, const struct zone *zone, double range[2])
 {
@@ -65,31 +69,37 @@ static void forget_shapes(struct rims *rims)
         rims->items[k].rim.c2 = rims->items[k].rim.s2 = 0;
 }
 
+/* At least once, at most `most` times, until 98 % of the rims stand still. */
 static int iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state,
-                   struct rims *rims, int times)
+                   struct rims *rims, int most)
 {
-    for (int k = 0; k < times; k++)
+    for (int k = 0; k < most; k++) {
         if (rims_iterate(photo, zone, state, rims))
             return -1;
+        size_t moving = 0;
+        for (size_t j = 0; j < rims->count; j++)
+            moving += rims->items[j].moved > STILL;
+        if (moving * 50 <= rims->count)
+            break;
+    }
     return 0;
 }
 
 static int refine(const struct photo *photo, const struct zone *zone, enum find_shape shape, struct rims_state *state,
                   struct rims *rims)
 {
-    if (rims_approach(photo, zone, state, rims) || iterate(photo, zone, state, rims, 1) || keep_supported(rims) ||
-        rims_estimate_blur(photo, zone, state, rims))
+    if (rims_approach(photo, zone, state, rims) || keep_supported(rims) || rims_estimate_blur(photo, zone, state, rims))
         return -1;
     state->window = 2.5 * state->blur;
     state->ellipse = shape != FIND_SHAPE_CIRCLE;
-    if (iterate(photo, zone, state, rims, 2))
+    if (iterate(photo, zone, state, rims, ROUNDS))
         return -1;
     if (shape == FIND_SHAPE_AUTO && !ellipses_show(rims, rims_correlation(rims))) {
         state->ellipse = 0;
         forget_shapes(rims);
     }
-    if (rims_choose_window(photo, zone, state, rims) || iterate(photo, zone, state, rims, 1) || keep_supported(rims) ||
-        iterate(photo, zone, state, rims, 2))
+    if (rims_choose_window(photo, zone, state, rims) || keep_supported(rims) ||
+        iterate(photo, zone, state, rims, ROUNDS))
         return -1;
     state->correlation = rims_correlation(rims);
     return 0;
@@ -183,7 +193,14 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
     double contrast = notes->levels.grain_level - notes->levels.void_level;
     if (!(contrast > 0))
         return no_grain("the photo has one grey level only");
-    struct rims_state state = {FIRST_BLUR, 2.5 * FIRST_BLUR, SECTOR, LEAST_STEP * contrast, 1, 0};
+    struct rims_state state = {.blur = FIRST_BLUR,
+                               .window = 2.5 * FIRST_BLUR,
+                               .sector = SECTOR,
+                               .least_step = LEAST_STEP * contrast,
+                               .void_level = notes->levels.void_level,
+                               .void_spread = VOID_SPREAD * contrast,
+                               .noise = FIRST_NOISE * contrast,
+                               .correlation = 1};
     if (detect_grains(photo, &notes->zone, &notes->levels, range[0], range[1], &found, &notes->candidates))
         goto done;
     notes->captured = found.count;

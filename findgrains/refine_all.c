@@ -7,6 +7,8 @@
 #include <string.h>
 
 enum { SAMPLE = 160, NEIGHBOURS = 64, LAGS = 8 };
+#define LEAST_BLUR 0.5 /* px: a sharper photo is undersampled, and steps of the fit would overshoot */
+#define MOST_BLUR 8.0
 
 int rims_make(const struct candidates *found, struct rims *rims)
 {
@@ -46,16 +48,23 @@ static size_t gather_neighbours(const struct rims *rims, size_t k, double reach,
     return count;
 }
 
-/* The same iteration on every `step`-th rim; wide: with the blur of a rough place. Results into `to`. */
+/* Rows of rims: all of them, or a sample. */
+struct rows {
+    const size_t *list; /* NULL: 0, 1, 2 ... */
+    size_t count;
+};
+
+/* One iteration on some rows, each from where it is; with blurs: with the blur of a rough place. Results into `to`. */
 static int iterate(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
-                   int ellipse, const double *blurs, const struct rims *rims, size_t step, struct refined *to)
+                   int ellipse, const double *blurs, const struct rims *rims, struct rows rows, struct refined *to)
 {
     struct error_shared failure = ERROR_SHARED_NONE;
 #pragma omp parallel
     {
         struct edge_work work = {0};
 #pragma omp for schedule(dynamic, 8)
-        for (size_t k = 0; k < rims->count; k += step) {
+        for (size_t at = 0; at < rows.count; at++) {
+            size_t k = rows.list ? rows.list[at] : at;
             struct rim others[NEIGHBOURS];
             struct edge_settings own = *settings;
             if (blurs) {
@@ -64,8 +73,8 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
             }
             own.window = fmin(own.window, 0.7 * rims->items[k].rim.radius);
             size_t count = gather_neighbours(rims, k, own.window + 5 * own.blur, others);
-            to[k / step].rim = rims->items[k].rim;
-            if (refine_circle(photo, zone, others, count, &own, ellipse, &work, &to[k / step]))
+            to[at].rim = rims->items[k].rim;
+            if (refine_circle(photo, zone, others, count, &own, ellipse, &work, &to[at]))
                 error_share(&failure, (long)k);
         }
         edge_work_free(&work);
@@ -75,8 +84,14 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
 
 static struct edge_settings settings_of(const struct rims_state *state)
 {
-    return (struct edge_settings){
-        .blur = state->blur, .window = state->window, .sector = state->sector, .least_step = state->least_step};
+    return (struct edge_settings){.blur = state->blur,
+                                  .window = state->window,
+                                  .sector = state->sector,
+                                  .least_step = state->least_step,
+                                  .void_level = state->void_level,
+                                  .void_spread = state->void_spread,
+                                  .noise = state->noise,
+                                  .damping = state->blur > LEAST_BLUR ? 1 : 0.5};
 }
 
 /* A rim that left its place is put back and loses its support. */
@@ -100,7 +115,7 @@ static int iterate_all(const struct photo *photo, const struct zone *zone, const
     struct refined *next = calloc(rims->count ? rims->count : 1, sizeof *next);
     if (!next)
         return error_memory("list of rims");
-    int status = iterate(photo, zone, settings, ellipse, blurs, rims, 1, next);
+    int status = iterate(photo, zone, settings, ellipse, blurs, rims, (struct rows){NULL, rims->count}, next);
     if (!status)
         accept(rims, next, blurs);
     free(next);
@@ -110,11 +125,12 @@ static int iterate_all(const struct photo *photo, const struct zone *zone, const
 int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
 {
     struct edge_settings settings = settings_of(state);
-    for (int round = 0; round < 3; round++) {
+    settings.damping = 0.5;
+    for (int round = 0; round < 6; round++) {
         if (iterate_all(photo, zone, &settings, 0, rims->spread, rims))
             return -1;
         for (size_t k = 0; k < rims->count; k++)
-            rims->spread[k] *= 0.5;
+            rims->spread[k] *= 0.7;
     }
     return 0;
 }
@@ -134,9 +150,9 @@ static int ascending(const void *a, const void *b)
 /* Median of one member of the refined rims that have support; NaN when there is none. */
 static double median_member(const struct refined *items, size_t count, size_t member)
 {
-    double values[SAMPLE + 1];
+    double values[SAMPLE];
     size_t n = 0;
-    for (size_t k = 0; k < count && n < SAMPLE + 1; k++) {
+    for (size_t k = 0; k < count && n < SAMPLE; k++) {
         double value = *(const double *)((const char *)&items[k] + member);
         if (items[k].support > 0 && isfinite(value))
             values[n++] = value;
@@ -147,28 +163,55 @@ static double median_member(const struct refined *items, size_t count, size_t me
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-static size_t sample_step(const struct rims *rims)
+/* Up to SAMPLE rows spread evenly over the larger half of the rims. */
+static size_t pick_sample(const struct rims *rims, size_t sample[SAMPLE])
 {
-    return rims->count / SAMPLE + 1;
+    double *radii = malloc((rims->count ? rims->count : 1) * sizeof *radii);
+    if (!radii || rims->count == 0) {
+        free(radii);
+        return 0;
+    }
+    for (size_t k = 0; k < rims->count; k++)
+        radii[k] = rims->items[k].rim.radius;
+    qsort(radii, rims->count, sizeof *radii, ascending);
+    double median = radii[rims->count / 2];
+    free(radii);
+    size_t large = 0, seen = 0, count = 0;
+    for (size_t k = 0; k < rims->count; k++)
+        large += rims->items[k].rim.radius >= median;
+    size_t step = (large + SAMPLE - 1) / SAMPLE;
+    for (size_t k = 0; k < rims->count && count < SAMPLE; k++)
+        if (rims->items[k].rim.radius >= median && seen++ % step == 0)
+            sample[count++] = k;
+    return count;
 }
 
-int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state,
-                       const struct rims *rims)
+/* Blur and places of the sample in turn: each is only right once the other is. */
+int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims)
 {
-    size_t step = sample_step(rims), count = (rims->count + step - 1) / step;
-    struct refined sample[SAMPLE + 1];
-    for (int round = 0; round < 5 && count; round++) {
+    size_t sample[SAMPLE];
+    struct refined fitted[SAMPLE];
+    struct rows rows = {sample, pick_sample(rims, sample)};
+    for (int round = 0; round < 10 && rows.count; round++) {
         struct edge_settings settings = settings_of(state);
+        settings.window = 3 * state->blur;
+        settings.damping = 0.7;
+        if (iterate(photo, zone, &settings, 0, NULL, rims, rows, fitted))
+            return -1;
+        for (size_t k = 0; k < rows.count; k++)
+            if (fitted[k].support > 0)
+                rims->items[sample[k]].rim = fitted[k].rim;
         settings.fit_blur = 1;
         settings.window = 3.5 * state->blur;
         settings.sector = 2 * state->sector;
-        if (iterate(photo, zone, &settings, 0, NULL, rims, step, sample))
+        if (iterate(photo, zone, &settings, 0, NULL, rims, rows, fitted))
             return -1;
-        double error = median_member(sample, count, offsetof(struct refined, blur_error));
+        double error = median_member(fitted, rows.count, offsetof(struct refined, blur_error));
         if (!isfinite(error))
             break;
-        state->blur = fmin(8, fmax(0.4, state->blur + fmin(0.5 * state->blur, fmax(-0.4 * state->blur, error))));
-        if (fabs(error) < 0.003 * state->blur)
+        double step = fmin(0.5 * state->blur, fmax(-0.25 * state->blur, error));
+        state->blur = fmin(MOST_BLUR, fmax(LEAST_BLUR, state->blur + step));
+        if (fabs(error) < 0.002 * state->blur)
             break;
     }
     return 0;
@@ -204,15 +247,17 @@ int rims_choose_window(const struct photo *photo, const struct zone *zone, struc
                        const struct rims *rims)
 {
     static const double choices[] = {1.6, 2.0, 2.5, 3.2, 4.2, 5.5};
-    size_t step = sample_step(rims), count = (rims->count + step - 1) / step;
-    struct refined sample[SAMPLE + 1];
+    size_t sample[SAMPLE];
+    struct refined fitted[SAMPLE];
+    struct rows rows = {sample, pick_sample(rims, sample)};
     double best = INFINITY, window = state->window;
-    for (size_t k = 0; k < sizeof choices / sizeof *choices && count; k++) {
+    for (size_t k = 0; k < sizeof choices / sizeof *choices && rows.count; k++) {
         struct edge_settings settings = settings_of(state);
         settings.window = choices[k] * state->blur;
-        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, step, sample))
+        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
             return -1;
-        double error = median_member(sample, count, offsetof(struct refined, s_radius)) * correlation_of(sample, count);
+        double error = median_member(fitted, rows.count, offsetof(struct refined, s_radius));
+        error *= correlation_of(fitted, rows.count);
         if (error < best) {
             best = error;
             window = settings.window;

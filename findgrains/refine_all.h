@@ -11,9 +11,10 @@ struct rims {
 };
 
 struct rims_state {
-    double blur, window, sector; /* px */
-    double least_step;           /* grey levels */
-    double correlation;          /* factor on the standard errors */
+    double blur, window, sector;           /* px */
+    double least_step;                     /* grey levels */
+    double void_level, void_spread, noise; /* grey levels */
+    double correlation;                    /* factor on the standard errors */
     int ellipse;
 };
 
@@ -23,8 +24,7 @@ void rims_free(struct rims *rims); /* accepts a zeroed struct */
 /* From a rough place to within reach of the fine fit; then blur, ellipses or circles, band width; then the result. */
 int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state,
                   struct rims *rims);
-int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state,
-                       const struct rims *rims);
+int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims);
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
                        const struct rims *rims);
 int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims);

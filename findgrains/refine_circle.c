@@ -12,6 +12,8 @@
 enum { TERMS = 5, ROUNDS = 8, LAGS = 8 };
 #define TUKEY 4.685
 #define MAD_TO_SD 1.4826
+/* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
+#define CHANCE 0.5
 
 struct fit {
     struct sector *sectors; /* all of them, used or not */
@@ -241,9 +243,11 @@ static void describe(struct fit *fit, struct refined *refined)
     add_lags(fit, refined);
 }
 
-static void move(const struct fit *fit, struct refined *refined)
+static void move(const struct fit *fit, double damping, struct refined *refined)
 {
-    const double *p = fit->parameters;
+    double p[TERMS];
+    for (int k = 0; k < fit->terms; k++)
+        p[k] = damping * fit->parameters[k];
     refined->rim.radius += p[0];
     refined->rim.x += p[1];
     refined->rim.y += p[2];
@@ -277,10 +281,12 @@ int refine_circle(const struct photo *photo, const struct zone *zone, const stru
     struct fit fit;
     if (edge_fit(photo, zone, &rim, others, other_count, settings, work) || fit_alloc(&fit, work, ellipse))
         return -1;
-    if (fit.used >= 2 * fit.terms && fit_curve(&fit, refined)) {
+    if (fit.terms > 3 && fit.used < 2 * fit.terms)
+        fit.terms = 3;
+    if (fit.used > fit.terms + 1 && fit_curve(&fit, refined) && refined->scatter < CHANCE * settings->window) {
         describe(&fit, refined);
         if (!settings->fit_blur)
-            move(&fit, refined);
+            move(&fit, settings->damping, refined);
     }
     free(fit.variance);
     return 0;

@@ -12,7 +12,14 @@ static const struct scenery still = {.void_grey = VOID, .blur = 1.05};
 
 static struct edge_settings settings_for(double blur, double window)
 {
-    return (struct edge_settings){.blur = blur, .window = window, .sector = 3, .least_step = 1000};
+    return (struct edge_settings){.blur = blur,
+                                  .window = window,
+                                  .sector = 3,
+                                  .least_step = 1000,
+                                  .void_level = VOID,
+                                  .void_spread = 15000,
+                                  .noise = 900,
+                                  .damping = 1};
 }
 
 /* Fit one disc from a start that is off; returns the refined rim. */
