@@ -1,0 +1,143 @@
+#include "report/canvas.h"
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "pipeline/error.h"
+
+int canvas_format_of(const char *path, enum canvas_format *format)
+{
+    static const char *const extensions[] = {".png", ".svg", ".pdf"};
+    const char *dot = strrchr(path, '.');
+    for (int k = 0; dot && k < 3; k++)
+        if (!strcasecmp(dot, extensions[k])) {
+            *format = (enum canvas_format)k;
+            return 0;
+        }
+    return error_input("%s: no picture format has this ending: name it .png, .svg or .pdf", path);
+}
+
+static int start(struct canvas *canvas)
+{
+    canvas->cairo = cairo_create(canvas->surface);
+    if (cairo_status(canvas->cairo) != CAIRO_STATUS_SUCCESS) {
+        const char *reason = cairo_status_to_string(cairo_status(canvas->cairo));
+        canvas_discard(canvas);
+        return error_failed("the picture cannot be made: %s: make it smaller", reason);
+    }
+    cairo_set_source_rgb(canvas->cairo, 1, 1, 1);
+    cairo_paint(canvas->cairo);
+    return 0;
+}
+
+int canvas_begin_memory(struct canvas *canvas, double width, double height)
+{
+    memset(canvas, 0, sizeof *canvas);
+    canvas->format = CANVAS_MEMORY;
+    canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(width), (int)ceil(height));
+    return start(canvas);
+}
+
+int canvas_begin(struct canvas *canvas, const char *path, double width, double height)
+{
+    memset(canvas, 0, sizeof *canvas);
+    if (canvas_format_of(path, &canvas->format) || new_file_begin(&canvas->file, path))
+        return -1;
+    if (canvas->format == CANVAS_SVG) {
+        canvas->surface = cairo_svg_surface_create(canvas->file.temporary, width, height);
+        cairo_svg_surface_set_document_unit(canvas->surface, CAIRO_SVG_UNIT_PX);
+    } else if (canvas->format == CANVAS_PDF) {
+        canvas->surface = cairo_pdf_surface_create(canvas->file.temporary, width, height);
+        cairo_pdf_surface_set_metadata(canvas->surface, CAIRO_PDF_METADATA_CREATE_DATE, "1970-01-01T00:00:00Z");
+    } else {
+        canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(width), (int)ceil(height));
+    }
+    return start(canvas);
+}
+
+void canvas_discard(struct canvas *canvas)
+{
+    if (canvas->cairo)
+        cairo_destroy(canvas->cairo);
+    if (canvas->surface)
+        cairo_surface_destroy(canvas->surface);
+    new_file_discard(&canvas->file);
+    memset(canvas, 0, sizeof *canvas);
+}
+
+int canvas_commit(struct canvas *canvas)
+{
+    cairo_status_t status = cairo_status(canvas->cairo);
+    if (status == CAIRO_STATUS_SUCCESS && canvas->format == CANVAS_PNG)
+        status = cairo_surface_write_to_png(canvas->surface, canvas->file.temporary);
+    cairo_surface_finish(canvas->surface);
+    if (status == CAIRO_STATUS_SUCCESS)
+        status = cairo_surface_status(canvas->surface);
+    if (status != CAIRO_STATUS_SUCCESS) {
+        (void)error_failed("%s: cannot be written: %s: check the room on the disk", canvas->file.path,
+                           cairo_status_to_string(status));
+        canvas_discard(canvas);
+        return -1;
+    }
+    int result = new_file_commit(&canvas->file);
+    canvas_discard(canvas);
+    return result;
+}
+
+struct bytes {
+    unsigned char *data;
+    size_t length, capacity;
+};
+
+static cairo_status_t append(void *closure, const unsigned char *data, unsigned int length)
+{
+    struct bytes *bytes = closure;
+    if (bytes->length + length > bytes->capacity) {
+        size_t capacity = 2 * bytes->capacity + length + 4096;
+        unsigned char *grown = realloc(bytes->data, capacity);
+        if (!grown)
+            return CAIRO_STATUS_NO_MEMORY;
+        bytes->data = grown;
+        bytes->capacity = capacity;
+    }
+    memcpy(bytes->data + bytes->length, data, length);
+    bytes->length += length;
+    return CAIRO_STATUS_SUCCESS;
+}
+
+int canvas_png(struct canvas *canvas, unsigned char **data, size_t *length)
+{
+    struct bytes bytes = {0};
+    cairo_status_t status = cairo_status(canvas->cairo);
+    if (status == CAIRO_STATUS_SUCCESS)
+        status = cairo_surface_write_to_png_stream(canvas->surface, append, &bytes);
+    canvas_discard(canvas);
+    if (status != CAIRO_STATUS_SUCCESS) {
+        free(bytes.data);
+        return error_failed("a picture cannot be made: %s", cairo_status_to_string(status));
+    }
+    *data = bytes.data;
+    *length = bytes.length;
+    return 0;
+}
+
+void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text)
+{
+    cairo_text_extents_t extents;
+    cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, size);
+    cairo_text_extents(cairo, text, &extents);
+    cairo_move_to(cairo, x - align * extents.x_advance, y);
+    cairo_show_text(cairo, text);
+}
+
+double canvas_round_number(double value)
+{
+    double power = pow(10, floor(log10(value))), digit = value / power;
+    return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
+}

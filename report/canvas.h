@@ -1,0 +1,44 @@
+/* A cairo picture that ends as a whole file, PNG, SVG or PDF by its extension, or as PNG bytes in memory. */
+#ifndef REPORT_CANVAS_H
+#define REPORT_CANVAS_H
+
+#include <cairo.h>
+#include <stddef.h>
+
+#include "pipeline/new_file.h"
+
+enum canvas_format { CANVAS_PNG, CANVAS_SVG, CANVAS_PDF, CANVAS_MEMORY };
+
+struct canvas {
+    cairo_t *cairo;
+    cairo_surface_t *surface;
+    enum canvas_format format;
+    struct new_file file;
+};
+
+/* The format that a path asks for; an error that names the choices for other extensions. */
+int canvas_format_of(const char *path, enum canvas_format *format);
+/* White. Sizes in px (PDF: points). */
+int canvas_begin(struct canvas *canvas, const char *path, double width, double height);
+int canvas_begin_memory(struct canvas *canvas, double width, double height);
+int canvas_commit(struct canvas *canvas);   /* frees the canvas whatever happens */
+void canvas_discard(struct canvas *canvas); /* accepts a zeroed struct */
+/* PNG bytes of a picture in memory, to be freed; the canvas is freed whatever happens. */
+int canvas_png(struct canvas *canvas, unsigned char **bytes, size_t *length);
+
+/* Colours that people with any colour vision tell apart (Okabe and Ito 2008), as red, green, blue. */
+#define COLOUR_BLUE 0.000, 0.447, 0.698
+#define COLOUR_VERMILLION 0.835, 0.369, 0.000
+#define COLOUR_GREEN 0.000, 0.620, 0.451
+#define COLOUR_ORANGE 0.902, 0.624, 0.000
+#define COLOUR_PURPLE 0.800, 0.475, 0.655
+#define COLOUR_SKY 0.337, 0.706, 0.914
+#define COLOUR_INK 0.133, 0.133, 0.133
+#define COLOUR_GREY 0.600, 0.600, 0.600
+
+/* Text with its baseline's left end, middle or right end (align 0, 0.5, 1) at (x, y). */
+void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text);
+/* The largest of 1, 2, 5 times a power of ten that is not above the value. */
+double canvas_round_number(double value);
+
+#endif

@@ -1,0 +1,8 @@
+/* The commands of report: options, read, call, write, free. */
+#ifndef REPORT_COMMANDS_H
+#define REPORT_COMMANDS_H
+
+int command_map(int argc, char **argv);
+int command_compare(int argc, char **argv);
+
+#endif

@@ -1,0 +1,27 @@
+/* A list of named numbers: what compare finds, printed as a table or written as JSON. */
+#ifndef REPORT_FIGURES_H
+#define REPORT_FIGURES_H
+
+#include <stdio.h>
+
+struct figure {
+    char name[40];    /* key in JSON: lower case, units at its end */
+    const char *text; /* for people */
+    const char *units;
+    double value;
+};
+
+struct figures {
+    struct figure list[96];
+    size_t count;
+};
+
+/* A figure too many is ignored: the list is sized for every comparison there is. */
+void figures_add(struct figures *figures, const char *name, double value, const char *units, const char *text);
+/* The value of that name; NaN when there is none. */
+double figures_value(const struct figures *figures, const char *name);
+void figures_print(const struct figures *figures, FILE *stream);
+/* One flat JSON object; a value that is not finite becomes null. Atomically. */
+int figures_write_json(const struct figures *figures, const char *path);
+
+#endif

@@ -1,0 +1,43 @@
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "report/commands.h"
+
+static const struct command {
+    const char *name, *full_name;
+    int (*run)(int argc, char **argv);
+    const char *what;
+} commands[] = {
+    {"map", "report map", command_map, "a picture of the contact forces, PNG or SVG"},
+    {"compare", "report compare", command_compare, "one state file against another, or against the truth"},
+};
+
+static void print_help(void)
+{
+    puts("Usage: report COMMAND [OPTION...]\nPictures, tables, comparisons and exports of state files.\n");
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+        printf("  %-10s %s\n", commands[k].name, commands[k].what);
+    puts("\n'report COMMAND --help' teaches one command.");
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1 && !strcmp(argv[1], "--help")) {
+        print_help();
+        return EXIT_DONE;
+    }
+    if (argc > 1 && !strcmp(argv[1], "--version")) {
+        puts("report (film) " FILM_VERSION);
+        return EXIT_DONE;
+    }
+    for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
+        if (!strcmp(argv[1], commands[k].name)) {
+            program_invocation_short_name = (char *)commands[k].full_name;
+            return commands[k].run(argc - 1, argv + 1);
+        }
+    fprintf(stderr, "report: %s: 'report --help' lists the commands\n",
+            argc > 1 ? "there is no such command" : "which command?");
+    return EXIT_USAGE;
+}

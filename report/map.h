@@ -1,0 +1,31 @@
+/* The force map: every contact force as a line between the centres, as wide as fn; walls; what is wrong, marked. */
+#ifndef REPORT_MAP_H
+#define REPORT_MAP_H
+
+#include <cairo.h>
+
+#include "pipeline/packing.h"
+#include "pipeline/photo.h"
+#include "pipeline/scene.h"
+
+#define MAP_WIDTH 1400
+
+struct map {
+    const struct packing *packing;
+    const struct forces *forces; /* NULL: contacts only */
+    const struct photo *photo;   /* background; NULL: circles */
+    const struct scene *scene;   /* places the photo; NULL without one */
+    const char *title;
+    double mean_fn; /* N: drawn as the unit of width; NaN: of this state */
+    double width;   /* px */
+    /* set by map_measure() */
+    double height, scale, x0, y1; /* px, px/m, m: left and top of the view */
+    double view_height;           /* px, without the legend */
+};
+
+/* Choose the view: walls and rims with a margin. Error when no grain has a place. */
+int map_measure(struct map *map);
+/* Draw into (0, 0, width, height). */
+int map_draw(const struct map *map, cairo_t *cairo);
+
+#endif
