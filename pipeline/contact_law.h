@@ -4,17 +4,26 @@
 
 #include "pipeline/json.h"
 
-enum contact_law_kind { LAW_LINEAR };
+enum contact_law_kind {
+    LAW_LINEAR,
+    LAW_HERTZ_MINDLIN,      /* ft shrinks with the normal force on unloading: no energy is created */
+    LAW_HERTZ_PFC,          /* the same stiffnesses, ft left as it is on unloading */
+    LAW_POHRT_POPOV,        /* rough, elastic */
+    LAW_POHRT_POPOV_PLASTIC /* rough on virgin loading, Hertz on unloading and reloading */
+};
 
 struct contact_law {
     enum contact_law_kind kind;
-    double kn;         /* N/m; NaN: not given */
-    double kt_over_kn; /* 1 */
+    double kn;         /* N/m; NaN: not given, and always so for the other laws: their stiffness grows with the force */
+    double kt_over_kn; /* linear: 1 unless given; the others: 2 (1 - nu) / (2 - nu) */
     double mu;         /* NaN: not given */
     double mu_wall;
+    double young, poisson;     /* Pa, 1: of the grains; NaN for the linear law */
+    double fractal, roughness; /* 1, m: fractal dimension D_f and height h of Pohrt and Popov; NaN for the others */
 };
 
-/* The scene's "contact" object: law, kn_N_per_m, kt_over_kn, mu, mu_wall. */
+/* The scene's "contact" object: law, mu, mu_wall; linear: kn_N_per_m, kt_over_kn; the others: young_Pa, poisson; rough:
+ * fractal_dimension, roughness_m. */
 int contact_law_read(const struct json *json, const cJSON *object, struct contact_law *law);
 
 /* Normal force of an overlap (m); 0 for a gap. N. */
