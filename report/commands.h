@@ -4,5 +4,6 @@
 
 int command_map(int argc, char **argv);
 int command_compare(int argc, char **argv);
+int command_page(int argc, char **argv);
 
 #endif

@@ -12,6 +12,7 @@ static const struct command {
 } commands[] = {
     {"map", "report map", command_map, "a picture of the contact forces, PNG or SVG"},
     {"compare", "report compare", command_compare, "one state file against another, or against the truth"},
+    {"page", "report page", command_page, "one HTML page about a whole series"},
 };
 
 static void print_help(void)

@@ -1,0 +1,27 @@
+/* HTML in memory. Everything that comes from outside goes through html_text() or html_format(), which escape it. */
+#ifndef REPORT_HTML_H
+#define REPORT_HTML_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+struct html {
+    FILE *stream; /* literal HTML goes here */
+    char *text;
+    size_t length;
+};
+
+int html_begin(struct html *html);
+/* Closes the stream; -1 when memory ran out on the way. html->text is then whole. */
+int html_end(struct html *html);
+void html_free(struct html *html); /* accepts a zeroed struct */
+
+void html_text(struct html *html, const char *text);
+/* printf, then escaped. */
+void html_format(struct html *html, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* <td> with a number of that many significant digits; NaN: a dash. */
+void html_number(struct html *html, double value, int digits);
+/* An image inside the page: media "image/png" or "image/svg+xml". */
+void html_picture(struct html *html, const char *media, const unsigned char *bytes, size_t length, const char *caption);
+
+#endif

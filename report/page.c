@@ -1,0 +1,115 @@
+#include "report/page.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "report/canvas.h"
+#include "report/map.h"
+
+/* Readable on a phone and on paper, without a script or anything from elsewhere. */
+static const char head[] =
+    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+    "<style>\n"
+    "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:72rem;margin:0 auto;padding:1rem}\n"
+    "h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #ccc}\n"
+    ".table{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem}\n"
+    "th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #e4e4e4;white-space:nowrap}\n"
+    "th{vertical-align:bottom;background:#f6f6f4}th.left,td.left{text-align:left}\n"
+    ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"
+    ".good{background:#e9f5f0;border-left:.4rem solid #009e73;padding:.5rem 1rem}\n"
+    ".off{color:#b34a00;font-weight:600}.small{font-size:.8rem;color:#555}\n"
+    "figure{margin:1rem 0;break-inside:avoid}img{max-width:100%;height:auto;border:1px solid #ddd}\n"
+    "figcaption{font-size:.85rem;color:#555}code{font-size:.85em}\n"
+    "@media print{body{max-width:none;font-size:11pt}.table{overflow:visible}}\n"
+    "</style>\n";
+
+static int draw_map(const struct packing *packing, const struct forces *forces, const char *title, struct html *html)
+{
+    struct map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = NAN};
+    struct canvas canvas;
+    unsigned char *png = NULL;
+    size_t length = 0;
+    if (map_measure(&map) || canvas_begin_memory(&canvas, map.width, map.height))
+        return -1;
+    if (map_draw(&map, canvas.cairo)) {
+        canvas_discard(&canvas);
+        return -1;
+    }
+    if (canvas_png(&canvas, &png, &length))
+        return -1;
+    html_picture(html, "image/png", png, length, title);
+    free(png);
+    return 0;
+}
+
+static int draw_state(const struct series_row *row, struct html *html)
+{
+    struct packing packing;
+    char title[200];
+    int result = packing_read(row->packing.path, &packing);
+    for (size_t f = 0; result == 0 && f < packing.force_count; f++) {
+        snprintf(title, sizeof title, "%s: forces by %.15s", row->name, packing.forces[f].method);
+        result = draw_map(&packing, &packing.forces[f], title, html);
+    }
+    if (result == 0 && packing.force_count == 0) {
+        snprintf(title, sizeof title, "%s: contacts", row->name);
+        result = draw_map(&packing, NULL, title, html);
+    }
+    packing_free(&packing);
+    return result;
+}
+
+/* Of `states` pictures at most `most`, evenly spread, the first and the last among them. */
+static int is_chosen(size_t state, size_t states, size_t most)
+{
+    if (states <= most)
+        return 1;
+    if (most == 1)
+        return state == states - 1;
+    for (size_t k = 0; k < most; k++)
+        if (k * (states - 1) / (most - 1) == state)
+            return 1;
+    return 0;
+}
+
+int page_pictures(const struct page *page, const struct series *series, struct html *html)
+{
+    size_t states = 0, state = 0, most = page->maps < 0 ? 0 : (size_t)page->maps;
+    for (size_t k = 0; k < series->count; k++)
+        states += series->rows[k].packing.path != NULL;
+    if (states == 0 || most == 0)
+        return 0;
+    fputs("<h2>Force maps</h2>\n", html->stream);
+    if (states > most)
+        html_format(html, "%zu of %zu states; draw others with report map.", most, states);
+    for (size_t k = 0; k < series->count; k++)
+        if (series->rows[k].packing.path && is_chosen(state++, states, most) && draw_state(&series->rows[k], html))
+            return -1;
+    return 0;
+}
+
+int page_write(const struct page *page, const struct series *series, struct html *html)
+{
+    fputs(head, html->stream);
+    fputs("<title>", html->stream);
+    html_text(html, page->name);
+    fputs("</title></head><body>\n<h1>", html->stream);
+    html_text(html, page->name);
+    fputs("</h1>\n<p class=\"small\">", html->stream);
+    html_format(html, "%zu states. Written by: %s.", series->count, series->versions);
+    fputs("</p>\n", html->stream);
+    page_warnings(series, html);
+    if (page->truth_folder && page_truth(page, series, html))
+        return -1;
+    page_photos(series, html);
+    page_states(series, html);
+    page_stresses(series, html);
+    if (page_pictures(page, series, html))
+        return -1;
+    page_inputs(series, html);
+    fputs("</body></html>\n", html->stream);
+    return 0;
+}

@@ -1,0 +1,28 @@
+/* report.html: one self-contained file about a series, warnings first. */
+#ifndef REPORT_PAGE_H
+#define REPORT_PAGE_H
+
+#include "report/html.h"
+#include "report/series.h"
+
+#define PAGE_MAPS 6
+
+struct page {
+    const char *name;         /* of the scene */
+    const char *truth_folder; /* with NAME.truth.hdf and NAME.photo-truth.hdf; NULL: no truth */
+    int maps;                 /* pictures at most, spread over the series */
+};
+
+/* The whole page into `html`, which the caller began and will end. */
+int page_write(const struct page *page, const struct series *series, struct html *html);
+
+/* Parts of it. */
+void page_warnings(const struct series *series, struct html *html);
+void page_photos(const struct series *series, struct html *html);
+void page_states(const struct series *series, struct html *html);
+void page_stresses(const struct series *series, struct html *html);
+void page_inputs(const struct series *series, struct html *html);
+int page_truth(const struct page *page, const struct series *series, struct html *html);
+int page_pictures(const struct page *page, const struct series *series, struct html *html);
+
+#endif

@@ -1,0 +1,59 @@
+/* A series of state files, each reduced to what a page shows; the files themselves are read one at a time. */
+#ifndef REPORT_SERIES_H
+#define REPORT_SERIES_H
+
+#include "pipeline/stress.h"
+#include "report/loaded.h"
+
+enum { SERIES_METHODS = 8 };
+
+/* What findgrains or tracker wrote about one photo. */
+struct photo_summary {
+    char *path;
+    size_t grains, distrusted, flags[32];
+    double zncc_median, zncc_least;  /* over trusted grains; NaN: not there */
+    double s_place, s_angle, s_size; /* median standard errors: px, rad, px */
+};
+
+struct force_summary {
+    char method[NAME_LENGTH], start[NAME_LENGTH];
+    int iterations, converged;
+    double imbalance, mean_fn, slipping; /* slipping: share of the loaded contacts */
+    double weber[2][2];
+};
+
+/* What contacts or forces wrote about one state. */
+struct packing_summary {
+    char *path;
+    size_t grains, distrusted, flags[32], candidates, floating;
+    struct fabric fabric;
+    double applied[2][2], strain[3];
+    int in_pascal;
+    struct force_summary forces[SERIES_METHODS];
+    size_t force_count;
+};
+
+struct series_row {
+    char *name; /* what stands before the first dot of the file names: "0003" */
+    int64_t index;
+    double time_s;
+    struct photo_summary grains, tracks; /* path == NULL: not given */
+    struct packing_summary packing;      /* of the forces file when there is one, else of contacts */
+};
+
+struct series_input {
+    char *file, *name, *sha256; /* state file, what it was made from */
+};
+
+struct series {
+    struct series_row *rows; /* by index, then name */
+    size_t count;
+    struct series_input *inputs;
+    size_t input_count;
+    char versions[200]; /* of the programs that wrote the files, comma-separated */
+};
+
+int series_read(char *const paths[], size_t count, struct series *series);
+void series_free(struct series *series); /* accepts a zeroed struct */
+
+#endif
