@@ -41,7 +41,7 @@ static void widen(const struct vec corners[4], double width, struct vec wide[4])
 }
 
 /* Lay the layer over what lies behind, outside the outline. */
-static void lay_outside(struct tile *tile, const struct vec corners[4])
+TILE_LOOP static void lay_outside(struct tile *tile, const struct vec corners[4])
 {
     for (int j = 0; j < tile->height; j++)
         for (int i = 0; i < tile->width; i++) {
@@ -137,8 +137,8 @@ struct face {
 };
 
 /* Annual rings around a pith that lies off the rod's middle: each ring darkens towards its end. */
-static void paint_rings(const struct optics *optics, struct tile *tile, struct window w, const struct face *face,
-                        size_t grain)
+TILE_LOOP static void paint_rings(const struct optics *optics, struct tile *tile, struct window w,
+                                  const struct face *face, size_t grain)
 {
     uint64_t key = body_key(optics, BODY_RING, grain);
     double turn = 6.283185307179586 * random_uniform(key, 0),
@@ -148,15 +148,17 @@ static void paint_rings(const struct optics *optics, struct tile *tile, struct w
           y = (float)(face->y - away * sin(angle) - tile->origin_y);
     float per_ring = (float)(1 / (optics->ring_spacing * (0.7 + 0.6 * random_uniform(key, 2))));
     float contrast = (float)optics->ring_contrast, cells_per_ring = (float)(1 / ((double)per_ring * tile->cell));
-    for (int j = w.y0; j < w.y1; j++)
+    for (int j = w.y0; j < w.y1; j++) {
+        size_t start = (size_t)j * (size_t)tile->width;
+        const float *restrict px = tile->x + start, *restrict py = tile->y + start;
+        float *restrict layer = tile->layer + start;
         for (int i = w.x0; i < w.x1; i++) {
-            size_t at = (size_t)j * (size_t)tile->width + (size_t)i;
-            float dx = tile->x[at] - x, dy = tile->y[at] - y, rings = sqrtf(dx * dx + dy * dy) * per_ring;
+            float dx = px[i] - x, dy = py[i] - y, rings = sqrtf(dx * dx + dy * dy) * per_ring;
             float part = rings - (float)(int)rings, p = part > 0.5f ? part - 1 : part;
-            float ended = (1 + p) * (1 + p),
-                  begun = p * p; /* the darkening of this ring's end, of the next one's start */
-            tile->layer[at] *= 1 + contrast * (0.33f - ended - coverage(p * cells_per_ring) * (begun - ended));
+            float ended = (1 + p) * (1 + p), begun = p * p; /* darkening of this ring's end, of the next one's start */
+            layer[i] *= 1 + contrast * (0.33f - ended - coverage(p * cells_per_ring) * (begun - ended));
         }
+    }
 }
 
 static float least(float a, float b)
@@ -166,7 +168,7 @@ static float least(float a, float b)
 
 /* Cut the layer to the face's rim r(phi) = radius + c cos 2(phi - angle) + s sin 2(phi - angle), darken the bevel, and
  * add what no earlier grain hides. Touching faces share a cell exactly: shares add up to at most 1. */
-static void lay_face(const struct optics *optics, struct tile *tile, struct window w, const struct face *face)
+TILE_LOOP static void lay_face(const struct optics *optics, struct tile *tile, struct window w, const struct face *face)
 {
     double c2 = cos(2 * face->angle), s2 = sin(2 * face->angle);
     float a = (float)(face->shape_c * c2 - face->shape_s * s2), b = (float)(face->shape_c * s2 + face->shape_s * c2);
@@ -176,15 +178,17 @@ static void lay_face(const struct optics *optics, struct tile *tile, struct wind
           per_width = optics->bevel_width > 0 ? (float)(1 / optics->bevel_width) : 0;
     for (int j = w.y0; j < w.y1; j++) {
         size_t start = (size_t)j * (size_t)tile->width;
+        const float *restrict px = tile->x + start, *restrict py = tile->y + start,
+                              *restrict layer = tile->layer + start;
+        float *restrict value = tile->value + start, *restrict cover = tile->cover + start;
         for (int i = w.x0; i < w.x1; i++) {
-            float dx = tile->x[start + (size_t)i] - x, dy = y - tile->y[start + (size_t)i];
+            float dx = px[i] - x, dy = y - py[i];
             float square = dx * dx + dy * dy + 1e-12f, distance = sqrtf(square);
             float rim = radius + (a * (dx * dx - dy * dy) + b * 2 * dx * dy) / square;
-            float share = least(coverage((rim - distance) * per_cell), 1 - tile->cover[start + (size_t)i]);
+            float share = least(coverage((rim - distance) * per_cell), 1 - cover[i]);
             float dark = least(1 - least((rim - distance) * per_width, 1), 1);
-            float light = tile->layer[start + (size_t)i] * (1 - depth * dark);
-            tile->value[start + (size_t)i] += share * light;
-            tile->cover[start + (size_t)i] += share;
+            value[i] += share * (layer[i] * (1 - depth * dark));
+            cover[i] += share;
         }
     }
 }
