@@ -29,13 +29,14 @@ install_packages() {
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 
-# build FOLDER CMAKE-OPTIONS...: configure and compile everything; the last lines are shown when it fails.
+# build TARGET FOLDER CMAKE-OPTIONS...: configure and compile (target: programs, all); the last lines are shown when it
+# fails.
 build() {
-    local folder=$1 log=$1.log
-    shift
+    local target=$1 folder=$2 log=$2.log
+    shift 2
     say "building in $folder (log: $log)"
     mkdir -p "$(dirname "$folder")"
-    if ! { cmake -S "$root" -B "$folder" "$@" && cmake --build "$folder" --parallel "$(nproc)"; } >"$log" 2>&1; then
+    if ! { cmake -S "$root" -B "$folder" "$@" && cmake --build "$folder" --target "$target" --parallel "$(nproc)"; } >"$log" 2>&1; then
         tail -n 40 "$log" >&2
         exit 1
     fi
