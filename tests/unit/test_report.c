@@ -466,5 +466,7 @@ int main(void)
         cmocka_unit_test(test_html),
         cmocka_unit_test(test_page),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    canvas_forget_fonts();
+    return failed;
 }
