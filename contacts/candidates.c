@@ -105,7 +105,7 @@ int candidates_between_grains(const struct grains *grains, double sigmas, double
                               struct pair_statistics *statistics)
 {
     struct near_pairs near = {0};
-    double window, margin;
+    double window = 0, margin = 0;
     unsigned char *skip = malloc(grains->count + 1);
     *pairs = (struct pairs){0};
     if (!skip)

@@ -10,9 +10,9 @@ struct pairs {
     size_t count, room;
 };
 
-/* All pairs of grains with a gap below some window, sorted by i, then j. The window is at least `sigmas` standard
- * errors of an overlap, but no wider than the largest radius; gaps up to `reach` are always seen. Two grains in one
- * place are an error. */
+/* All pairs of grains with a gap below some window, sorted by i, then j, and what their overlaps tell (grains with a
+ * flag of distrust left out). The window is at least `sigmas` standard errors of an overlap, but no wider than the
+ * largest radius; gaps up to `reach` are always seen. Two grains in one place are an error. */
 int candidates_between_grains(const struct grains *grains, double sigmas, double reach, struct pairs *pairs,
                               struct pair_statistics *statistics);
 /* Add the pairs of grains and walls within the same window; the sorting holds. */

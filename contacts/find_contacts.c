@@ -9,6 +9,9 @@
 #include "contacts/stability.h"
 #include "pipeline/error.h"
 
+/* A pair counts as contact from this probability on: a lost contact costs more than a false one (thesis 3.4.2). */
+#define CONTACT_PROBABILITY 0.25
+
 /* What one run holds between its steps. */
 struct search {
     const struct contact_input *input;
@@ -40,6 +43,14 @@ static int check_input(const struct contact_input *input, const struct contact_o
     return 0;
 }
 
+/* That the true overlap is positive. Under its weight, a grain that rests touches. */
+static double probability_of(const struct search *search, const struct pair *pair)
+{
+    struct vec gravity = search->input->scene->gravity;
+    struct pair_odds odds = pair_odds(&search->statistics, pair->overlap, pair->s_overlap);
+    return gravity.x != 0 || gravity.y != 0 ? odds.touching + odds.resting : odds.touching;
+}
+
 /* The largest gap that the user calls a contact, m; 0 without a tolerance. */
 static double tolerance_of(const struct search *search)
 {
@@ -48,12 +59,12 @@ static double tolerance_of(const struct search *search)
 }
 
 /* Keep what overlaps, and what may. */
-static int is_contact(const struct search *search, const struct pair *pair, double probability)
+static int is_contact(const struct search *search, const struct pair *pair)
 {
     double tolerance = search->options->tolerance_px;
     if (isfinite(tolerance))
         return pair->overlap > -tolerance * search->input->scene->scale;
-    return probability > 0.5;
+    return probability_of(search, pair) > CONTACT_PROBABILITY;
 }
 
 static size_t keep_likely(struct search *search)
@@ -61,9 +72,7 @@ static size_t keep_likely(struct search *search)
     size_t kept = 0;
     for (size_t p = 0; p < search->pairs.count; p++) {
         struct pair pair = search->pairs.pair[p];
-        double probability = pair_probability(&search->statistics, pair.overlap, pair.s_overlap);
-        if (is_contact(search, &pair, probability) ||
-            pair.overlap > -search->options->candidate_sigmas * pair.s_overlap)
+        if (is_contact(search, &pair) || pair.overlap > -search->options->candidate_sigmas * pair.s_overlap)
             search->pairs.pair[kept++] = pair;
     }
     return search->pairs.count = kept;
@@ -85,9 +94,9 @@ static int fill_contacts(struct search *search)
         contacts->y[c] = pair->at.y;
         contacts->overlap[c] = pair->overlap;
         contacts->s_overlap[c] = pair->s_overlap;
-        contacts->probability[c] = pair_probability(&search->statistics, pair->overlap, pair->s_overlap);
+        contacts->probability[c] = probability_of(search, pair);
         contacts->flags[c] = (size_t)pair->j >= grains ? CONTACT_WALL : 0;
-        if (!is_contact(search, pair, contacts->probability[c]))
+        if (!is_contact(search, pair))
             contacts->flags[c] |= CONTACT_CANDIDATE;
     }
     return 0;
@@ -240,8 +249,8 @@ static void summarise(const struct search *search, struct contact_summary *summa
     const struct packing *packing = search->packing;
     double scale = search->input->scene->scale;
     *summary = (struct contact_summary){.grains = packing->grains.count,
-                                        .mean_overlap_px = search->statistics.overlap / scale,
-                                        .near_gaps_per_px = search->statistics.gaps * scale,
+                                        .mean_overlap_px = pair_mean_overlap(&search->statistics) / scale,
+                                        .resting_share = search->statistics.resting,
                                         .s_overlap_px = median_error(&search->pairs) / scale};
     for (size_t k = 0; k < packing->grains.count; k++) {
         summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;

@@ -16,7 +16,7 @@ struct contact_options {
 };
 #define CONTACT_OPTIONS_DEFAULT                                                                                        \
     {                                                                                                                  \
-        .radius_scale = 1, .radius_offset_px = 0, .tolerance_px = NAN, .candidate_sigmas = 4, .frame_error_px = 1      \
+        .radius_scale = 1, .radius_offset_px = 0, .tolerance_px = NAN, .candidate_sigmas = 4, .frame_error_px = 0.3    \
     }
 
 struct contact_input {
@@ -33,7 +33,7 @@ struct contact_summary {
     size_t contacts, wall_contacts, candidates;
     size_t rattlers, floating;
     double mean_overlap_px, s_overlap_px; /* of touching pairs; median standard error of an overlap */
-    double near_gaps_per_px;              /* density of pairs just apart, counted over the whole photo */
+    double resting_share;                 /* of near pairs: those that rest at zero overlap */
 };
 
 /* The options of the scene's section "contacts"; what it does not name stays as it is. */

@@ -20,7 +20,8 @@ static const struct argp_option option_list[] = {
     {"radius-scale", RADIUS_SCALE, "X", 0, "Multiply every radius by X (1)", 0},
     {"radius-offset", RADIUS_OFFSET, "PX", 0, "Add PX pixels to every radius (0)", 0},
     {"tolerance", TOLERANCE, "PX", 0,
-     "Take as contact what overlaps more than -PX pixels (default: what touches with a probability above one half)", 0},
+     "Take as contact what overlaps more than -PX pixels (default: what touches with a probability above one quarter)",
+     0},
     {0}};
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
@@ -95,8 +96,8 @@ static void tell(const struct contact_summary *summary)
     log_event("contacts", "grains", (double)summary->grains, "unusable", (double)summary->unusable, "contacts",
               (double)summary->contacts, "wall_contacts", (double)summary->wall_contacts, "candidates",
               (double)summary->candidates, "rattlers", (double)summary->rattlers, "floating", (double)summary->floating,
-              "mean_overlap_px", summary->mean_overlap_px, "s_overlap_px", summary->s_overlap_px, "near_gaps_per_px",
-              summary->near_gaps_per_px, NULL);
+              "mean_overlap_px", summary->mean_overlap_px, "s_overlap_px", summary->s_overlap_px, "resting_share",
+              summary->resting_share, NULL);
 }
 
 static int run(const struct arguments *arguments)
@@ -148,7 +149,7 @@ int main(int argc, char **argv)
         "with its overlap, the standard error and the probability that it truly touches. Pairs that may touch are kept "
         "and flagged `candidate`; the method map of forces weighs them.\n\n"
         "Keys of the scene's section \"contacts\": radius_scale, radius_offset_px, tolerance_px, candidate_sigmas (4), "
-        "frame_error_px (1: how well the frame's corners are known; 0 takes them as exact).\n\n"
+        "frame_error_px (0.3: how well the frame's corners are known; 0 takes them as exact).\n\n"
         "Example:\n  contacts --scene scene.json 0001.tracks.hdf --previous 0000.contacts.hdf -o 0001.contacts.hdf",
         children,
         NULL,

@@ -1,34 +1,43 @@
-/* How overlaps and gaps are distributed near touching, learnt from the photo itself. Contacts pile up just above
- * zero (true overlaps about exponential with mean m), few gaps lie just below (density nearly constant there):
+/* How overlaps and gaps are distributed near touching; the numbers are learnt from the photo itself.
  *
- *     density of a true overlap t:   contacts / m exp(-t / m)  for t > 0,   gaps  for t < 0   (pairs per m)
+ * Pairs that are squeezed have a true overlap t > 0 with density (1/m) exp(-t/m) (w + (1 - w) t/m), the shape of the
+ * distribution of contact forces: nearly flat from zero to the mean, then exponential. Free grains rest against their
+ * neighbours at t = 0. Pairs just apart have a density that is nearly constant over a small window below zero. A
+ * measured overlap is x = t + s N(0, 1) with the standard error s of that pair, so that, with u = x - s^2/m,
  *
- * and a measured overlap is t + s N(0, 1) with the standard error s of that pair, so that
+ *     touching(x, s) = T (1/m) exp(s^2/2m^2 - x/m) [w Phi(u/s) + (1 - w)(u Phi(u/s) + s phi(u/s))/m],
+ *     resting(x, s)  = R phi(x/s)/s,      apart(x, s) = A Phi(-x/s)/window,      T + R + A = 1,
  *
- *     touching(x, s) = contacts / m exp(s^2 / 2 m^2 - x / m) Phi(x / s - s / m),   apart(x, s) = gaps Phi(-x / s),
- *
- * and the probability of contact is touching / (touching + apart) (Bayes). The three numbers are found by expectation
- * maximisation (Dempster, Laird and Rubin 1977) with the weight of one pseudo-pair on either side, which alone decides
- * when there are hardly any pairs. */
+ * and Bayes' rule gives the probabilities. T, R, A, m and w are found by expectation maximisation (Dempster, Laird and
+ * Rubin 1977) with a few pseudo-pairs, which alone decide when there are hardly any pairs. */
 #ifndef CONTACTS_PAIR_STATISTICS_H
 #define CONTACTS_PAIR_STATISTICS_H
 
 #include <stddef.h>
 
 struct pair_statistics {
-    double contacts; /* expected number of touching pairs */
-    double overlap;  /* m: their mean overlap */
-    double gaps;     /* 1/m: density of pairs just apart */
-    double window;   /* m: pairs with a larger gap were not looked at */
-    size_t pairs;    /* looked at */
+    double touching, resting, apart; /* shares of the pairs with x >= -window: T, R, A */
+    double scale;                    /* m of the density above, m; the mean overlap is m (2 - w) */
+    double flat;                     /* w */
+    double window;                   /* m */
+    size_t pairs;                    /* that were looked at */
+    double log_likelihood;           /* of these pairs, with the density in 1/m */
 };
 
-/* x, s: measured overlaps and their standard errors; pairs with x < -window are left out. window > 0. */
+/* x, s: overlaps and their standard errors, m; pairs with x < -window are left out. */
 void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
                          struct pair_statistics *statistics);
-/* Probability that the true overlap is positive. */
-double pair_probability(const struct pair_statistics *statistics, double x, double s);
-/* log(touching + apart). */
-double pair_log_density(const struct pair_statistics *statistics, double x, double s);
+
+/* Probabilities of the three cases, and the log of the summed density. */
+struct pair_odds {
+    double touching, resting, apart;
+    double log_density;
+};
+struct pair_odds pair_odds(const struct pair_statistics *statistics, double x, double s);
+
+static inline double pair_mean_overlap(const struct pair_statistics *statistics)
+{
+    return statistics->scale * (2 - statistics->flat);
+}
 
 #endif

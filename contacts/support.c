@@ -63,7 +63,7 @@ static double log_posterior(const struct rim_points *rim, const struct pair_stat
         value -= 0.5 * pow(tilt / prior->s_angle, 2);
     for (size_t k = 0; k < rim->count; k++) {
         const struct rim_point *point = &rim->points[k];
-        value += pair_log_density(statistics, point->out - offset - tilt * point->arm, point->s);
+        value += pair_odds(statistics, point->out - offset - tilt * point->arm, point->s).log_density;
     }
     return value;
 }
@@ -161,7 +161,7 @@ static void keep_touching(struct rim_points *rim, const struct pair_statistics *
 {
     size_t kept = 0, stride;
     for (size_t k = 0; k < rim->count; k++)
-        if (pair_probability(statistics, rim->points[k].out, rim->points[k].s) > 0.5)
+        if (pair_odds(statistics, rim->points[k].out, rim->points[k].s).apart < 0.5)
             rim->points[kept++] = rim->points[k];
     stride = kept / MAX_FOLLOWED + 1;
     rim->count = 0;
@@ -209,7 +209,7 @@ int support_follow(const struct grains *grains, const struct vec *before, const 
         return error_memory("motion of a wall");
     }
     if (rim.count)
-        follow(&rim, statistics->overlap, room, line);
+        follow(&rim, pair_mean_overlap(statistics), room, line);
     free(room);
     free(rim.points);
     return 0;

@@ -40,7 +40,7 @@ static struct wall_line bottom_line(double s_offset_px)
 }
 
 static const struct pair_statistics usual = {
-    .contacts = 3000, .overlap = 0.1 * PX, .gaps = 300 / PX, .window = 0.5 * PX, .pairs = 3200};
+    .touching = 0.9, .resting = 1e-6, .apart = 0.1, .scale = 0.1 * PX, .flat = 0.98, .window = 0.5 * PX};
 
 /* Found offset and tilt against the truth, in units of their stated errors, over many draws. */
 static void test_line_from_grains(void **state)
