@@ -51,25 +51,27 @@ static double noise_gain(const struct subset *subset, const struct motion *motio
     return count ? sum / (double)count : 1;
 }
 
-static void multiply(double a[3][3], double b[3][3], double product[3][3])
+/* product = a b' . */
+static void multiply_transposed(double a[3][3], double b[3][3], double product[3][3])
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            product[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+            product[i][j] = a[i][0] * b[j][0] + a[i][1] * b[j][1] + a[i][2] * b[j][2];
 }
 
-/* The estimate solves J' T = 0 with slopes J that carry the reference's noise: its covariance is
- * s2 (1 + 1/gain^2) H0^-1 H H0^-1, H = J'J, H0 the Hessian of the noise-free slopes. */
+/* The estimate solves Z'(photo - model) = 0: its covariance is s2 (1 + 1/gain^2) H^-1 Z'Z H^-T, H = Z'J. Slopes carry
+ * the reference's noise, which adds to Z'Z as it adds to the scatter, but must be taken out of H. */
 static void set_covariance(const struct subset *subset, double variance, double gain, struct fit *fit)
 {
-    double clean[3][3], inverse[3][3], half[3][3];
+    double clean[3][3], inverse[3][3], half[3][3], instrument[3][3];
     memcpy(clean, subset->hessian, sizeof clean);
+    memcpy(instrument, subset->instrument, sizeof instrument);
     for (int i = 0; i < 3; i++)
-        clean[i][i] -= fmin(variance * subset->noise_slope[i], 0.5 * clean[i][i]);
+        clean[i][i] -= fmin(variance * subset->noise_hessian[i], 0.5 * clean[i][i]);
     if (!subset_invert(clean, inverse))
         memcpy(inverse, subset->inverse, sizeof inverse);
-    multiply(inverse, (double(*)[3])subset->hessian, half);
-    multiply(half, inverse, fit->covariance);
+    multiply_transposed(inverse, instrument, half); /* the instrument is symmetric */
+    multiply_transposed(half, inverse, fit->covariance);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             fit->covariance[i][j] *= variance * (1 + 1 / (gain * gain));
@@ -81,7 +83,7 @@ static void judge(const struct subset *subset, const struct kernel_sums *sums, e
 {
     double n = (double)subset->count, spread = sums->square - sums->one * sums->one / n;
     double gain = sums->plane[SUBSET_GREY] / subset->energy;
-    double left = fmax(spread - gain * gain * subset->energy, 0) / (n - 5);
+    double left = fmax(spread - gain * gain * subset->energy, 0) / (n - 6);
     fit->gain = gain;
     fit->zncc = spread > 0 ? sums->plane[SUBSET_GREY] / sqrt(spread * subset->energy) : 0;
     if (!(gain > 0))
@@ -91,36 +93,71 @@ static void judge(const struct subset *subset, const struct kernel_sums *sums, e
     set_covariance(subset, variance, gain, fit);
 }
 
+double icgn_cubic_bias(double speckle)
+{
+    return speckle > 0 ? fmin(0.0032 * pow(1.2 / speckle, 3), 0.02) : 0;
+}
+
+/* Is the cubic spline's bias worth a quintic iteration? Not when it hides in the noise, nor where a rotation averages
+ * it over all phases. */
+static int needs_quintic(const struct subset *subset, const struct fit *fit)
+{
+    double error = sqrt((fit->covariance[0][0] + fit->covariance[1][1]) / 2);
+    return fabs(fit->motion.angle) * subset->shape.radius < 2 && icgn_cubic_bias(subset->speckle) > 0.3 * error;
+}
+
+/* One iteration from fit->motion. 1: it moved the rim by less than the tolerance; 0: more; -1: out of memory; 2: there
+ * is nothing to follow. */
+static int iterate(const struct subset *subset, const struct photo *photo, const struct icgn_options *options,
+                   enum bspline_order order, int fresh, struct patch *patch, struct kernel_sums *sums, struct fit *fit)
+{
+    double step[3];
+    fit->iterations++;
+    if (load_patch(&subset->shape, photo, &fit->motion, subset->mean, order, fresh, patch))
+        return -1;
+    kernel_sums(subset, patch, &fit->motion, sums);
+    double gain = sums->plane[SUBSET_GREY] / subset->energy;
+    if (!(gain > 0))
+        return 2;
+    for (int i = 0; i < 3; i++)
+        step[i] = (subset->inverse[i][0] * sums->plane[0] + subset->inverse[i][1] * sums->plane[1] +
+                   subset->inverse[i][2] * sums->plane[2]) /
+                  gain;
+    double moved = hypot(step[0], step[1]) + fabs(step[2]) * subset->shape.radius;
+    if (!(moved <= 2 * options->reach))
+        return 2;
+    fit->motion = motion_compose_inverse(fit->motion, (struct motion){step[0], step[1], step[2]});
+    return moved <= options->tolerance;
+}
+
+/* Iterations on one spline until they stand still, stray, or are too many. */
+static int converge(const struct subset *subset, const struct photo *photo, const struct motion *start,
+                    const struct icgn_options *options, enum bspline_order order, struct patch *patch, struct fit *fit)
+{
+    struct kernel_sums sums = {0};
+    fit->converged = 0;
+    for (int fresh = 1;; fresh = 0) {
+        int state = iterate(subset, photo, options, order, fresh, patch, &sums, fit);
+        double away = hypot(fit->motion.u - start->u, fit->motion.v - start->v) +
+                      fabs(fit->motion.angle - start->angle) * subset->shape.radius;
+        if (state < 0)
+            return -1;
+        fit->converged = state == 1;
+        if (state || fit->iterations >= options->iterations || away > options->reach)
+            break;
+    }
+    judge(subset, &sums, order, fit);
+    return 0;
+}
+
 int icgn_fit(const struct subset *subset, const struct photo *photo, struct motion start,
              const struct icgn_options *options, struct patch *patch, struct fit *fit)
 {
-    struct kernel_sums sums = {0};
-    const double rim = subset->shape.radius;
     *fit = (struct fit){.motion = start};
-    for (fit->iterations = 1;; fit->iterations++) {
-        if (load_patch(&subset->shape, photo, &fit->motion, subset->mean, options->order, fit->iterations == 1, patch))
-            return -1;
-        kernel_sums(subset, patch, &fit->motion, &sums);
-        double gain = sums.plane[SUBSET_GREY] / subset->energy, step[3];
-        if (!(gain > 0))
-            break;
-        for (int i = 0; i < 3; i++)
-            step[i] = (subset->inverse[i][0] * sums.plane[0] + subset->inverse[i][1] * sums.plane[1] +
-                       subset->inverse[i][2] * sums.plane[2]) /
-                      gain;
-        double moved = hypot(step[0], step[1]) + fabs(step[2]) * rim;
-        if (!(moved <= 2 * options->reach))
-            break;
-        fit->motion = motion_compose_inverse(fit->motion, (struct motion){step[0], step[1], step[2]});
-        if (moved <= options->tolerance) {
-            fit->converged = 1;
-            break;
-        }
-        double away =
-            hypot(fit->motion.u - start.u, fit->motion.v - start.v) + fabs(fit->motion.angle - start.angle) * rim;
-        if (fit->iterations >= options->iterations || away > options->reach)
-            break;
-    }
-    judge(subset, &sums, options->order, fit);
-    return 0;
+    if (converge(subset, photo, &start, options, BSPLINE_CUBIC, patch, fit))
+        return -1;
+    if (options->coarse || !fit->converged || !needs_quintic(subset, fit))
+        return 0;
+    fit->fine = 1;
+    return converge(subset, photo, &start, options, BSPLINE_QUINTIC, patch, fit);
 }

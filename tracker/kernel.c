@@ -54,9 +54,9 @@ static void add_products(const float *t, const float *planes, size_t plane_size,
     }
     sums->one += one;
     sums->square += square;
-    sums->plane[SUBSET_JX] += x;
-    sums->plane[SUBSET_JY] += y;
-    sums->plane[SUBSET_JA] += a;
+    sums->plane[SUBSET_ZX] += x;
+    sums->plane[SUBSET_ZY] += y;
+    sums->plane[SUBSET_ZA] += a;
     sums->plane[SUBSET_GREY] += g;
 }
 

@@ -228,7 +228,7 @@ static int scan(const struct photo *reference, const struct photo *photo, const 
 static int refine(const struct photo *reference, const struct photo *photo, const struct shape *shape, double reach,
                   struct search_workspace *workspace, struct best *best)
 {
-    const struct icgn_options options = {.tolerance = 0.02, .reach = reach, .iterations = 12};
+    const struct icgn_options options = {.tolerance = 0.02, .reach = reach, .iterations = 12, .coarse = 1};
     struct subset subset;
     int status = subset_build(reference, shape, NULL, &subset);
     for (int k = 0; !status && k < best->count && subset_usable(&subset); k++) {

@@ -6,8 +6,9 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "tracker/simd.h"
+#include "tracker/slopes.h"
 
-enum { SLOPE_REACH = 2 }; /* px that the slope needs around a pixel */
 static const double pi = 3.141592653589793;
 
 /* First and last column of the shape in row y; an empty range when it has none. */
@@ -34,8 +35,8 @@ static int lands_inside(const struct subset_mask *mask, const struct shape *shap
 {
     double c = cos(mask->angle), s = sin(mask->angle), dx = x - shape->cx, dy = y - shape->cy;
     double px = shape->cx + mask->u + c * dx + s * dy, py = shape->cy + mask->v - s * dx + c * dy;
-    return px >= SLOPE_REACH && py >= SLOPE_REACH && px <= mask->photo->width - 1 - SLOPE_REACH &&
-           py <= mask->photo->height - 1 - SLOPE_REACH;
+    return px >= SLOPES_REACH && py >= SLOPES_REACH && px <= mask->photo->width - 1 - SLOPES_REACH &&
+           py <= mask->photo->height - 1 - SLOPES_REACH;
 }
 
 static int is_used(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask, int x,
@@ -80,10 +81,10 @@ static int find_runs(const struct photo *reference, const struct subset_mask *ma
         int first, last;
         columns_of(shape, y, &first, &last);
         all += last >= first ? (size_t)(last - first + 1) : 0;
-        if (y < SLOPE_REACH || y >= reference->height - SLOPE_REACH)
+        if (y < SLOPES_REACH || y >= reference->height - SLOPES_REACH)
             continue;
-        first = first < SLOPE_REACH ? SLOPE_REACH : first;
-        last = last >= reference->width - SLOPE_REACH ? reference->width - SLOPE_REACH - 1 : last;
+        first = first < SLOPES_REACH ? SLOPES_REACH : first;
+        last = last >= reference->width - SLOPES_REACH ? reference->width - SLOPES_REACH - 1 : last;
         for (int x = first; x <= last;) {
             int begin = x;
             while (x <= last && (!masked || is_used(reference, shape, mask, x, y)))
@@ -99,122 +100,219 @@ static int find_runs(const struct photo *reference, const struct subset_mask *ma
     return 0;
 }
 
-/* The planes before orthogonalisation: slopes (central, fourth order), slope of the angle, grey minus the mean. */
-static void fill_planes(const struct photo *reference, struct subset *subset)
+/* ---- planes and their products ---- */
+
+/* What the normal equations are made of, pixel by pixel: instruments, grey, Laplacian, 1, plain slopes. */
+enum { Z = 0, GREY = 3, BLUR, ONE, J, VECTORS = J + 3, STRETCH = 256 };
+
+struct products {
+    double sum[VECTORS][VECTORS]; /* only rows Z and nuisances (GREY, BLUR, ONE), against everything */
+};
+
+SIMD_CLONES static float dot(const float *restrict a, const float *restrict b, int count)
+{
+    float sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < count; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+static void add_products(const float *const vectors[VECTORS], int count, struct products *products)
+{
+    for (int a = Z; a < J; a++)
+        for (int b = a; b < VECTORS; b++)
+            products->sum[a][b] += dot(vectors[a], vectors[b], count);
+}
+
+/* The slope of the angle: gx dy - gy dx. */
+SIMD_CLONES static void turn_slope(const float *restrict gx, const float *restrict gy, float dx, float dy, int count,
+                                   float *restrict ga)
+{
+    for (int i = 0; i < count; i++)
+        ga[i] = gx[i] * dy - gy[i] * (dx + (float)i);
+}
+
+/* Fill the planes of one stretch of a run, Z not yet orthogonal, and add its products. */
+static void add_stretch(const struct slopes *slopes, int x, int y, int count, size_t offset, struct subset *subset,
+                        struct products *products)
 {
     const size_t n = subset->count;
-    const ptrdiff_t w = reference->width;
+    const float dx = (float)(x - subset->shape.cx), dy = (float)(y - subset->shape.cy);
+    float laplacian[STRETCH], one[STRETCH], slope[3][STRETCH];
+    float *z[3] = {subset->planes + offset, subset->planes + n + offset, subset->planes + 2 * n + offset};
+    float *grey = subset->planes + SUBSET_GREY * n + offset;
+    slopes_smooth(slopes, x, y, count, z[0], z[1], laplacian);
+    slopes_plain(slopes, x, y, count, slope[0], slope[1]);
+    turn_slope(z[0], z[1], dx, dy, count, z[2]);
+    turn_slope(slope[0], slope[1], dx, dy, count, slope[2]);
+    memcpy(grey, slopes_grey(slopes, x, y), (size_t)count * sizeof *grey);
+    for (int i = 0; i < count; i++)
+        one[i] = 1;
+    const float *const vectors[VECTORS] = {z[0], z[1], z[2], grey, laplacian, one, slope[0], slope[1], slope[2]};
+    add_products(vectors, count, products);
+}
+
+static double mean_grey(const struct photo *reference, const struct subset *subset)
+{
     double total = 0;
     for (size_t k = 0; k < subset->run_count; k++) {
-        const struct run *run = &subset->runs[k];
-        const uint16_t *grey = photo_row(reference, run->y) + run->x;
+        const uint16_t *grey = photo_row(reference, subset->runs[k].y) + subset->runs[k].x;
         uint64_t sum = 0;
-        for (int i = 0; i < run->count; i++)
+        for (int i = 0; i < subset->runs[k].count; i++)
             sum += grey[i];
         total += (double)sum;
     }
-    subset->mean = n ? total / (double)n : 0;
+    return total / (double)subset->count;
+}
+
+static int load_slopes(const struct photo *reference, struct subset *subset, struct slopes *slopes)
+{
+    int x0 = reference->width, x1 = 0;
     for (size_t k = 0; k < subset->run_count; k++) {
         const struct run *run = &subset->runs[k];
-        const uint16_t *grey = photo_row(reference, run->y) + run->x;
-        float *jx = subset->planes + run->offset, *jy = jx + n, *ja = jy + n, *level = ja + n;
-        const float mean = (float)subset->mean, dy = (float)(run->y - subset->shape.cy);
-        const float dx = (float)(run->x - subset->shape.cx);
-        for (int i = 0; i < run->count; i++) {
-            const uint16_t *g = grey + i;
-            float gx = (float)(8 * (g[1] - g[-1]) - (g[2] - g[-2])) * (1.0f / 12);
-            float gy = (float)(8 * (g[w] - g[-w]) - (g[2 * w] - g[-2 * w])) * (1.0f / 12);
-            jx[i] = gx;
-            jy[i] = gy;
-            ja[i] = gx * dy - gy * (dx + (float)i);
-            level[i] = (float)g[0] - mean;
-        }
+        x0 = run->x < x0 ? run->x : x0;
+        x1 = run->x + run->count - 1 > x1 ? run->x + run->count - 1 : x1;
+    }
+    subset->mean = mean_grey(reference, subset);
+    return slopes_load(reference, x0, subset->runs[0].y, x1, subset->runs[subset->run_count - 1].y, (float)subset->mean,
+                       slopes);
+}
+
+static void fill_planes(const struct slopes *slopes, struct subset *subset, struct products *products)
+{
+    for (size_t k = 0; k < subset->run_count; k++) {
+        const struct run *run = &subset->runs[k];
+        for (int i = 0; i < run->count; i += STRETCH)
+            add_stretch(slopes, run->x + i, run->y, run->count - i < STRETCH ? run->count - i : STRETCH,
+                        run->offset + (size_t)i, subset, products);
     }
 }
 
-/* Sums of products of the planes among themselves and with 1. */
-static void plane_products(const struct subset *subset, double product[SUBSET_PLANES][SUBSET_PLANES],
-                           double total[SUBSET_PLANES])
-{
-    const size_t n = subset->count;
-    enum { BLOCK = 1024 };
-    memset(product, 0, sizeof(double) * SUBSET_PLANES * SUBSET_PLANES);
-    memset(total, 0, sizeof(double) * SUBSET_PLANES);
-    for (size_t begin = 0; begin < n; begin += BLOCK) {
-        size_t count = n - begin < BLOCK ? n - begin : BLOCK;
-        for (int a = 0; a < SUBSET_PLANES; a++) {
-            const float *p = subset->planes + (size_t)a * n + begin;
-            double sum = 0;
-            for (size_t i = 0; i < count; i++)
-                sum += p[i];
-            total[a] += sum;
-            for (int b = a; b < SUBSET_PLANES; b++) {
-                const float *q = subset->planes + (size_t)b * n + begin;
-                double dot = 0;
-                for (size_t i = 0; i < count; i++)
-                    dot += (double)p[i] * q[i];
-                product[a][b] += dot;
-            }
-        }
-    }
-}
+/* ---- algebra ---- */
 
-int subset_invert(double h[3][3], double inverse[3][3])
+int subset_invert(double (*h)[3], double (*inverse)[3])
 {
-    double c00 = h[1][1] * h[2][2] - h[1][2] * h[1][2], c01 = h[0][2] * h[1][2] - h[0][1] * h[2][2];
-    double c02 = h[0][1] * h[1][2] - h[0][2] * h[1][1];
-    double determinant = h[0][0] * c00 + h[0][1] * c01 + h[0][2] * c02;
-    if (!(determinant > 1e-9 * h[0][0] * h[1][1] * h[2][2]))
+    double minor[3][3], determinant = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+            minor[i][j] = h[a][c] * h[b][d] - h[a][d] * h[b][c];
+        }
+    for (int j = 0; j < 3; j++)
+        determinant += h[0][j] * minor[0][j];
+    if (!(h[0][0] > 0 && h[1][1] > 0 && determinant > 1e-9 * h[0][0] * h[1][1] * h[2][2]))
         return 0;
-    inverse[0][0] = c00 / determinant;
-    inverse[0][1] = inverse[1][0] = c01 / determinant;
-    inverse[0][2] = inverse[2][0] = c02 / determinant;
-    inverse[1][1] = (h[0][0] * h[2][2] - h[0][2] * h[0][2]) / determinant;
-    inverse[1][2] = inverse[2][1] = (h[0][1] * h[0][2] - h[0][0] * h[1][2]) / determinant;
-    inverse[2][2] = (h[0][0] * h[1][1] - h[0][1] * h[0][1]) / determinant;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            inverse[j][i] = minor[i][j] / determinant;
     return 1;
 }
 
-/* J <- J - alpha grey - beta: orthogonal to grey (whose mean is zero) and to 1. */
-static void orthogonalise(struct subset *subset)
+/* share[k][a]: how much of nuisance k (grey, Laplacian, 1) must be taken from Z[a]: (N'N)^-1 N'Z. Without independent
+ * content the Laplacian is left alone. */
+static int nuisance_shares(const struct products *p, double share[3][3])
 {
-    const size_t n = subset->count;
-    double product[SUBSET_PLANES][SUBSET_PLANES], total[SUBSET_PLANES];
-    plane_products(subset, product, total);
-    subset->energy = product[SUBSET_GREY][SUBSET_GREY];
-    double slopes = product[SUBSET_JX][SUBSET_JX] + product[SUBSET_JY][SUBSET_JY];
-    subset->speckle = slopes > 0 ? sqrt(2 * subset->energy / slopes) : 0;
-    subset->speckle_count = subset->speckle > 0 ? (double)n / (pi * subset->speckle * subset->speckle) : 0;
-    if (!(subset->energy > 0))
-        return;
-    for (int a = 0; a < 3; a++) {
-        float alpha = (float)(product[a][SUBSET_GREY] / subset->energy), beta = (float)(total[a] / (double)n);
-        float *restrict j = subset->planes + (size_t)a * n;
-        const float *restrict grey = subset->planes + SUBSET_GREY * n;
-        for (size_t i = 0; i < n; i++)
-            j[i] -= alpha * grey[i] + beta;
-        for (int b = a; b < 3; b++)
-            subset->hessian[a][b] = subset->hessian[b][a] =
-                product[a][b] - total[a] * total[b] / (double)n -
-                product[a][SUBSET_GREY] * product[b][SUBSET_GREY] / subset->energy;
+    double gram[3][3], inverse[3][3];
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++)
+            gram[k][l] = k <= l ? p->sum[GREY + k][GREY + l] : p->sum[GREY + l][GREY + k];
+    if (!subset_invert(gram, inverse)) {
+        for (int k = 0; k < 3; k++)
+            gram[k][1] = gram[1][k] = k == 1;
+        if (!subset_invert(gram, inverse))
+            return 0;
+        inverse[1][1] = 0;
     }
-    if (!subset_invert(subset->hessian, subset->inverse))
-        subset->energy = 0;
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 3; a++) {
+            share[k][a] = 0;
+            for (int l = 0; l < 3; l++)
+                share[k][a] += inverse[k][l] * p->sum[Z + a][GREY + l];
+        }
+    return 1;
 }
 
-/* Pixel noise makes the slopes larger than they are: by (2 * 8^2 + 2) / 12^2 of its variance per pixel. */
+/* Z'J and Z'Z after the nuisances are taken out of Z. */
+static void set_matrices(const struct products *p, const double share[3][3], struct subset *subset)
+{
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            subset->hessian[a][b] = p->sum[Z + a][J + b];
+            subset->instrument[a][b] = a <= b ? p->sum[Z + a][Z + b] : p->sum[Z + b][Z + a];
+            for (int k = 0; k < 3; k++) {
+                subset->hessian[a][b] -= share[k][a] * p->sum[GREY + k][J + b];
+                subset->instrument[a][b] -= share[k][a] * p->sum[Z + b][GREY + k];
+            }
+        }
+}
+
+/* Z <- Z - nuisances, on the planes. */
+SIMD_CLONES static void take_out(float *restrict z, const float *restrict grey, const float *restrict laplacian,
+                                 float a, float b, float c, int count)
+{
+    for (int i = 0; i < count; i++)
+        z[i] -= a * grey[i] + b * laplacian[i] + c;
+}
+
+static void orthogonalise(const struct slopes *slopes, const double share[3][3], struct subset *subset)
+{
+    const size_t n = subset->count;
+    float unused[2][STRETCH], laplacian[STRETCH];
+    for (size_t k = 0; k < subset->run_count; k++) {
+        const struct run *run = &subset->runs[k];
+        for (int i = 0; i < run->count; i += STRETCH) {
+            int count = run->count - i < STRETCH ? run->count - i : STRETCH;
+            float *planes = subset->planes + run->offset + i;
+            slopes_smooth(slopes, run->x + i, run->y, count, unused[0], unused[1], laplacian);
+            for (int a = 0; a < 3; a++)
+                take_out(planes + (size_t)a * n, planes + SUBSET_GREY * n, laplacian, (float)share[0][a],
+                         (float)share[1][a], (float)share[2][a], count);
+        }
+    }
+}
+
+/* Pixel noise makes slopes larger than they are, and turns with the square of the distance. */
 static void noise_of_slopes(struct subset *subset)
 {
-    double second = 0;
+    double second = 0, n = (double)subset->count;
     for (size_t k = 0; k < subset->run_count; k++) {
         const struct run *run = &subset->runs[k];
         double dy = run->y - subset->shape.cy, dx = run->x + 0.5 * (run->count - 1) - subset->shape.cx;
         double m = run->count;
         second += m * (dx * dx + dy * dy + (m * m - 1) / 12);
     }
-    const double gain = 130.0 / 144;
-    subset->noise_slope[0] = subset->noise_slope[1] = gain * (double)subset->count;
-    subset->noise_slope[2] = gain * second;
+    for (int a = 0; a < 3; a++) {
+        subset->noise_hessian[a] = slopes_noise() * (a < 2 ? n : second);
+    }
+}
+
+static int fill(const struct photo *reference, struct subset *subset)
+{
+    struct products products = {{{0}}};
+    struct slopes slopes;
+    double share[3][3];
+    subset->planes = malloc(SUBSET_PLANES * subset->count * sizeof *subset->planes);
+    if (!subset->planes)
+        return error_memory("the pixels of a subset");
+    if (load_slopes(reference, subset, &slopes))
+        return -1;
+    fill_planes(&slopes, subset, &products);
+    double slope2 = products.sum[Z][J] + products.sum[Z + 1][J + 1], n = (double)subset->count;
+    subset->energy = products.sum[GREY][GREY] - products.sum[GREY][ONE] * products.sum[GREY][ONE] / n;
+    subset->speckle = slope2 > 0 ? sqrt(2 * subset->energy / slope2) : 0;
+    subset->speckle_count = subset->speckle > 0 ? n / (pi * subset->speckle * subset->speckle) : 0;
+    if (subset->energy > 0 && nuisance_shares(&products, share)) {
+        set_matrices(&products, share, subset);
+        orthogonalise(&slopes, share, subset);
+        noise_of_slopes(subset);
+        if (!subset_invert(subset->hessian, subset->inverse))
+            subset->energy = 0;
+    } else {
+        subset->energy = 0;
+    }
+    slopes_free(&slopes);
+    return 0;
 }
 
 int subset_build(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask,
@@ -222,21 +320,12 @@ int subset_build(const struct photo *reference, const struct shape *shape, const
 {
     static const struct subset_mask no_mask = {0};
     *subset = (struct subset){.shape = *shape};
-    if (find_runs(reference, mask ? mask : &no_mask, subset)) {
+    int status = find_runs(reference, mask ? mask : &no_mask, subset);
+    if (!status && subset->count)
+        status = fill(reference, subset);
+    if (status)
         subset_free(subset);
-        return -1;
-    }
-    if (!subset->count)
-        return 0;
-    subset->planes = malloc(SUBSET_PLANES * subset->count * sizeof *subset->planes);
-    if (!subset->planes) {
-        subset_free(subset);
-        return error_memory("the pixels of a subset");
-    }
-    fill_planes(reference, subset);
-    orthogonalise(subset);
-    noise_of_slopes(subset);
-    return 0;
+    return status;
 }
 
 int subset_usable(const struct subset *subset)

@@ -1,9 +1,11 @@
 /* The part of the reference photo that is followed: a disc (grain) or a rectangle (paper, marker), with everything
  * that an iteration needs, computed once.
  *
- * Model (note "tracking"): photo(W(p)) = gain * reference(p) + offset + noise. The images of steepest descent
- * J = (gx, gy, gx dy - gy dx) are made orthogonal to {1, reference}, so that gain and offset drop out exactly and an
- * iteration is four dot products. */
+ * Model: photo(W(p)) = gain * reference(p) + offset + blur * laplacian(p) + noise. With the slopes
+ * J = (gx, gy, gx dy - gy dx) an iteration solves Z' (photo - model) = 0, where the instruments Z are slopes of the
+ * smoothed reference, made orthogonal to {1, reference, laplacian}: gain, offset and a change of focus drop out
+ * exactly, and an iteration is four dot products. Smoothing Z instead of both photos is the same estimate (Z' S T =
+ * (S Z)' T): it does not see the finest detail, which pixels and splines render with the wrong phase. */
 #ifndef TRACKER_SUBSET_H
 #define TRACKER_SUBSET_H
 
@@ -23,21 +25,23 @@ struct run {
     size_t offset;
 };
 
-enum { SUBSET_JX, SUBSET_JY, SUBSET_JA, SUBSET_GREY, SUBSET_PLANES };
+enum { SUBSET_ZX, SUBSET_ZY, SUBSET_ZA, SUBSET_GREY, SUBSET_PLANES };
 
 struct subset {
     struct shape shape;
     size_t count, run_count; /* pixels, runs; 0 pixels: nothing could be used */
     struct run *runs;
-    float *planes;         /* SUBSET_PLANES arrays of `count`: J orthogonalised, grey minus its mean */
-    double mean;           /* grey */
-    double energy;         /* sum of (grey - mean)^2 */
-    double noise_slope[3]; /* what pixel noise of variance 1 adds to the diagonal of the Hessian */
-    double hessian[3][3], inverse[3][3];
-    double speckle;       /* px: correlation length of the texture, sqrt(variance / mean squared slope) */
-    double speckle_count; /* independent specks: pixels / (pi speckle^2) */
-    double used;          /* share of the shape's pixels that is used */
-    size_t saturated;     /* pixels left out at the upper end of the grey range */
+    float *planes;           /* SUBSET_PLANES arrays of `count`: Z, grey minus its mean */
+    double mean;             /* grey */
+    double energy;           /* sum of (grey - mean)^2 */
+    double hessian[3][3];    /* Z'J */
+    double inverse[3][3];    /* of the hessian */
+    double instrument[3][3]; /* Z'Z */
+    double noise_hessian[3]; /* what pixel noise of variance 1 adds to its diagonal */
+    double speckle;          /* px: correlation length of the texture, sqrt(variance / mean squared slope) */
+    double speckle_count;    /* independent specks: pixels / (pi speckle^2) */
+    double used;             /* share of the shape's pixels that is used */
+    size_t saturated;        /* pixels left out at the upper end of the grey range */
 };
 
 /* Which pixels of the reference may be used. */
@@ -53,8 +57,8 @@ struct subset_mask {
 int subset_build(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask,
                  struct subset *subset);
 int subset_usable(const struct subset *subset);
-/* inverse = h^-1 for a symmetric positive definite h; 0 (and no inverse) when it is not. */
-int subset_invert(double h[3][3], double inverse[3][3]);
+/* inverse = h^-1; 0 (and no inverse) when its determinant is not well above zero. */
+int subset_invert(double (*h)[3], double (*inverse)[3]);
 void subset_free(struct subset *subset); /* accepts a zeroed struct */
 
 #endif

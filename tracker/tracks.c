@@ -35,7 +35,7 @@ static uint32_t flags_of(const struct target *target, const struct outcome *outc
         flags |= GRAIN_LOW_ZNCC;
     if (has_rival(target, outcome))
         flags |= GRAIN_AMBIGUOUS;
-    return flags | (outcome->searched ? GRAIN_RESCUED : 0);
+    return flags | (outcome->searched ? GRAIN_RESCUED : 0) | (outcome->fit.fine ? GRAIN_SPECKLED_FINE : 0);
 }
 
 /* Of the reference's flags, those that say something of the circle stay with the row. */
