@@ -5,6 +5,7 @@
 #include <threads.h>
 
 #include "pipeline/error.h"
+#include "tracker/simd.h"
 
 enum { CUBIC_TAPS = 8, QUINTIC_TAPS = 16, MAX_TAPS = 16, BLOCK = 64 };
 
@@ -65,7 +66,8 @@ static int reserve(float **buffer, size_t *capacity, size_t needed)
 }
 
 /* Grey values of the patch and `reach` px around it. */
-static void load_grey(const struct photo *photo, int x0, int y0, int width, int height, float level, float *grey)
+SIMD_CLONES static void load_grey(const struct photo *photo, int x0, int y0, int width, int height, float level,
+                                  float *grey)
 {
     int inside = x0 >= 0 && x0 + width <= photo->width;
     for (int y = 0; y < height; y++, grey += width) {
@@ -80,7 +82,7 @@ static void load_grey(const struct photo *photo, int x0, int y0, int width, int 
 }
 
 /* out[x] = sum over k of taps[|k|] in[x + k step], for x in [0, n). */
-static void filter_line(const float *in, ptrdiff_t step, int n, const float *taps, int reach, float *out)
+SIMD_CLONES static void filter_line(const float *in, ptrdiff_t step, int n, const float *taps, int reach, float *out)
 {
     for (int begin = 0; begin < n; begin += BLOCK) {
         int count = n - begin < BLOCK ? n - begin : BLOCK;

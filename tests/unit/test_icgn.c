@@ -3,22 +3,23 @@
 #include "tests/dots.h"
 
 #include "tracker/icgn.h"
+#include "tracker/interpolate.h"
 
 static const double degree = 3.141592653589793 / 180;
 
 struct trial {
     const double *sigma;
-    double radius, gain, offset, noise;
+    double radius, gain, offset, noise, blur;
     struct motion truth, start;
     uint64_t key;
 };
 
 static struct photo draw(const struct dots *dots, double centre, struct motion motion, double gain, double offset,
-                         double noise, uint64_t key)
+                         double noise, double blur, uint64_t key)
 {
     int side = (int)(2 * centre) + 1;
     struct canvas canvas = canvas_make(side, side, 0.8);
-    canvas_add(&canvas, dots, centre + 0.37 + motion.u, centre - 0.21 + motion.v, motion.angle, 0);
+    canvas_add(&canvas, dots, centre + 0.37 + motion.u, centre - 0.21 + motion.v, motion.angle, blur);
     struct photo photo = canvas_photo(&canvas, gain, offset, noise, key);
     canvas_free(&canvas);
     return photo;
@@ -28,9 +29,9 @@ static struct fit run(const struct trial *trial)
 {
     double centre = floor(1.25 * trial->radius) + 10;
     struct dots dots = dots_make(1.25 * trial->radius + 6, trial->sigma, trial->key);
-    struct photo reference = draw(&dots, centre, (struct motion){0}, 1, 0, trial->noise, 2 * trial->key);
+    struct photo reference = draw(&dots, centre, (struct motion){0}, 1, 0, trial->noise, 0, 2 * trial->key);
     struct photo photo =
-        draw(&dots, centre, trial->truth, trial->gain, trial->offset, trial->noise, 2 * trial->key + 1);
+        draw(&dots, centre, trial->truth, trial->gain, trial->offset, trial->noise, trial->blur, 2 * trial->key + 1);
     struct shape shape = {.cx = centre + 0.37, .cy = centre - 0.21, .radius = trial->radius};
     struct icgn_options options = ICGN_DEFAULT;
     struct subset subset;
@@ -137,6 +138,51 @@ static void test_scatter_is_the_stated_error(void **state)
     }
 }
 
+/* Plain C, AVX2, AVX-512: the same motion to 1e-5 px. */
+static void test_every_machine_gives_the_same(void **state)
+{
+    (void)state;
+    const double angles[] = {0, 0.4, 30, 171};
+    for (int k = 0; k < 4; k++) {
+        struct motion truth = {1.3, -0.6, angles[k] * degree};
+        struct trial trial = {.sigma = DOTS_NORMAL,
+                              .radius = 33.3,
+                              .gain = 0.9,
+                              .noise = 0.01,
+                              .truth = truth,
+                              .start = {1.2, -0.4, truth.angle + 0.001},
+                              .key = 31};
+        struct fit fits[3];
+        for (int level = INTERPOLATE_PLAIN; level <= (int)interpolate_machine(); level++) {
+            interpolate_limit((enum interpolate_level)level);
+            fits[level] = run(&trial);
+            check_near(fits[level].motion.u, fits[0].motion.u, 1e-5);
+            check_near(fits[level].motion.v, fits[0].motion.v, 1e-5);
+            check_near(fits[level].motion.angle, fits[0].motion.angle, 1e-5 / trial.radius);
+            check_near(fits[level].zncc, fits[0].zncc, 1e-6);
+        }
+        interpolate_limit(INTERPOLATE_AVX512);
+    }
+}
+
+/* A photo out of focus: the Laplacian takes the difference up (docs/tracker.md). */
+static void test_focus_drops_out(void **state)
+{
+    (void)state;
+    struct trial trial = {.sigma = DOTS_NORMAL,
+                          .radius = 40,
+                          .gain = 1,
+                          .blur = 0.7,
+                          .key = 33,
+                          .truth = {0.3, 0.6, 1 * degree},
+                          .start = {0.1, 0.4, 0.9 * degree}};
+    struct fit fit = run(&trial);
+    assert_true(fit.converged);
+    check_near(fit.motion.u, 0.3, 1e-3);
+    check_near(fit.motion.v, 0.6, 1e-3);
+    check_near(fit.motion.angle, 1 * degree, 5e-5);
+}
+
 static void test_flat_subset_is_not_usable(void **state)
 {
     (void)state;
@@ -163,6 +209,8 @@ int main(void)
         cmocka_unit_test(test_rotation_and_sign),
         cmocka_unit_test(test_gain_and_offset_drop_out),
         cmocka_unit_test(test_scatter_is_the_stated_error),
+        cmocka_unit_test(test_every_machine_gives_the_same),
+        cmocka_unit_test(test_focus_drops_out),
         cmocka_unit_test(test_flat_subset_is_not_usable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
