@@ -285,6 +285,8 @@ static void join_words(const char *const words[], char *buffer, size_t size)
 
 int json_check_keys(const struct json *json, const cJSON *object, const char *const allowed[])
 {
+    if (!cJSON_IsObject(object))
+        return json_error(json, object, "a group is expected here: write {\"key\": value}");
     for (const cJSON *item = object->child; item; item = item->next) {
         size_t k = 0;
         while (allowed[k] && strcmp(allowed[k], item->string))

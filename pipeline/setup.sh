@@ -32,10 +32,10 @@ install_packages() {
 # build TARGET FOLDER CMAKE-OPTIONS...: configure and compile (target: programs, all); the last lines are shown when it
 # fails.
 build() {
-    local target=$1 folder=$2 log=$2.log
+    local target=$1 folder=$2 log=$2/build.log
     shift 2
     say "building in $folder (log: $log)"
-    mkdir -p "$(dirname "$folder")"
+    mkdir -p "$folder"
     if ! { cmake -S "$root" -B "$folder" "$@" && cmake --build "$folder" --target "$target" --parallel "$(nproc)"; } >"$log" 2>&1; then
         tail -n 40 "$log" >&2
         exit 1

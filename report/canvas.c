@@ -2,6 +2,7 @@
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
+#include <fontconfig/fontconfig.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,6 +135,12 @@ void canvas_text(cairo_t *cairo, double x, double y, double align, double size, 
     cairo_text_extents(cairo, text, &extents);
     cairo_move_to(cairo, x - align * extents.x_advance, y);
     cairo_show_text(cairo, text);
+}
+
+void canvas_forget_fonts(void)
+{
+    cairo_debug_reset_static_data();
+    FcFini();
 }
 
 double canvas_round_number(double value)

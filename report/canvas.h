@@ -26,6 +26,9 @@ void canvas_discard(struct canvas *canvas); /* accepts a zeroed struct */
 /* PNG bytes of a picture in memory, to be freed; the canvas is freed whatever happens. */
 int canvas_png(struct canvas *canvas, unsigned char **bytes, size_t *length);
 
+/* Give back the fonts that cairo keeps for the life of a process; call it last. */
+void canvas_forget_fonts(void);
+
 /* Colours that people with any colour vision tell apart (Okabe and Ito 2008), as red, green, blue. */
 #define COLOUR_BLUE 0.000, 0.447, 0.698
 #define COLOUR_VERMILLION 0.835, 0.369, 0.000

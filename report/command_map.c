@@ -133,5 +133,6 @@ int command_map(int argc, char **argv)
     cli_parse(&parser, argc, argv, &options);
     int status = cli_finish(&options.cli, run(&options));
     cli_inputs_free(&options.files);
+    canvas_forget_fonts();
     return status;
 }

@@ -5,6 +5,7 @@
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 #include "pipeline/scene.h"
+#include "report/canvas.h"
 #include "report/commands.h"
 #include "report/page.h"
 #include "report/text_file.h"
@@ -94,5 +95,6 @@ int command_page(int argc, char **argv)
     cli_parse(&parser, argc, argv, &options);
     int status = cli_finish(&options.cli, run(&options));
     cli_inputs_free(&options.files);
+    canvas_forget_fonts();
     return status;
 }

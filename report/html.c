@@ -68,7 +68,7 @@ void html_format(struct html *html, const char *format, ...)
 void html_number(struct html *html, double value, int digits)
 {
     if (isfinite(value))
-        fprintf(html->stream, "<td>%.*g</td>", digits, value);
+        fprintf(html->stream, "<td>%.*g</td>", digits, value == 0 ? 0.0 : value); /* no "-0" */
     else
         fputs("<td>–</td>", html->stream);
 }

@@ -13,6 +13,7 @@ static const struct command {
     {"map", "report map", command_map, "a picture of the contact forces, PNG or SVG"},
     {"compare", "report compare", command_compare, "one state file against another, or against the truth"},
     {"page", "report page", command_page, "one HTML page about a whole series"},
+    {"export", "report export", command_export, "a state file as CSV, XYZ, CONF or dic_out text"},
 };
 
 static void print_help(void)

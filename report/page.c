@@ -15,7 +15,7 @@ static const char head[] =
     "<style>\n"
     "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:72rem;margin:0 auto;padding:1rem}\n"
     "h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #ccc}\n"
-    ".table{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem}\n"
+    ".table{overflow-x:auto;margin-bottom:1rem}table{border-collapse:collapse;font-size:.85rem}\n"
     "th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #e4e4e4;white-space:nowrap}\n"
     "th{vertical-align:bottom;background:#f6f6f4}th.left,td.left{text-align:left}\n"
     ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"

@@ -127,7 +127,10 @@ static void stress_row(struct html *html, const struct series_row *row, const st
     html_number(html, 100 * forces->slipping, 3);
     html_number(html, forces->imbalance, 2);
     html_number(html, (double)forces->iterations, 9);
-    fputs(forces->converged ? "<td>yes</td>" : "<td class=\"off\">no</td>", html->stream);
+    fputs(forces->iterations == 0 ? "<td>–</td>"
+          : forces->converged     ? "<td>yes</td>"
+                                  : "<td class=\"off\">no</td>",
+          html->stream);
     fputs("</tr>\n", html->stream);
 }
 

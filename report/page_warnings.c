@@ -21,67 +21,105 @@ static void warn(struct warnings *warnings, const char *text)
     fputs("</li>\n", warnings->html->stream);
 }
 
-static void warn_photo(struct warnings *warnings, const struct series_row *row, const struct photo_summary *photo,
-                       const char *what)
+/* How often something is beyond its limit, and where it is worst. */
+struct tally {
+    size_t seen, beyond;
+    double worst;
+    const char *where;
+};
+
+static void tally_add(struct tally *tally, double size, double limit, const char *where)
 {
-    char text[300];
-    if (!photo->path)
+    if (isnan(size))
         return;
-    if ((double)photo->distrusted > FLAGGED_SHARE * (double)photo->grains) {
-        snprintf(text, sizeof text, "%.100s, %s: %zu of %zu grains are flagged as not to be trusted", row->name, what,
-                 photo->distrusted, photo->grains);
-        warn(warnings, text);
-    }
-    if (photo->zncc_median < ZNCC_LOW) {
-        snprintf(text, sizeof text, "%.100s: the photo looks little like the reference (median ZNCC %.3f)", row->name,
-                 photo->zncc_median);
-        warn(warnings, text);
+    tally->seen++;
+    if (!(size > limit))
+        return;
+    if (tally->beyond++ == 0 || size > tally->worst) {
+        tally->worst = size;
+        tally->where = where;
     }
 }
 
-static void warn_stress(struct warnings *warnings, const struct series_row *row, const struct force_summary *forces,
-                        int axis)
+static void warn_tally(struct warnings *warnings, const struct tally *tally, const char *who, const char *what,
+                       double unit, const char *units)
 {
-    char text[300];
-    double applied = row->packing.applied[axis][axis], weber = forces->weber[axis][axis];
-    if (!(fabs(weber - applied) > STRESS_MISFIT * fabs(applied)))
+    char text[400];
+    if (tally->beyond == 0)
         return;
-    snprintf(text, sizeof text, "%.100s, %.15s: Weber stress %s is %+.0f %% off the applied one", row->name,
-             forces->method, axis ? "yy" : "xx", 100 * (weber / applied - 1));
+    snprintf(text, sizeof text, "%.15s: in %zu of %zu %s (worst %.3g%s, %.100s)", who, tally->beyond, tally->seen, what,
+             unit * tally->worst, units, tally->where);
     warn(warnings, text);
 }
 
-static void warn_forces(struct warnings *warnings, const struct series_row *row, const struct force_summary *forces)
+static void warn_photos(struct warnings *warnings, const struct series *series, int tracked)
 {
-    char text[300];
-    if (!forces->converged) {
-        snprintf(text, sizeof text, "%.100s, %.15s: not converged after %d iterations", row->name, forces->method,
-                 forces->iterations);
-        warn(warnings, text);
+    struct tally flagged = {0}, zncc = {0};
+    for (size_t k = 0; k < series->count; k++) {
+        const struct series_row *row = &series->rows[k];
+        const struct photo_summary *photo = tracked ? &row->tracks : &row->grains;
+        if (!photo->path)
+            continue;
+        tally_add(&flagged, (double)photo->distrusted / (double)photo->grains, FLAGGED_SHARE, row->name);
+        tally_add(&zncc, 1 - photo->zncc_median, 1 - ZNCC_LOW, row->name);
     }
-    if (forces->imbalance > IMBALANCE) {
-        snprintf(text, sizeof text,
-                 "%.100s, %.15s: forces leave up to %.2g of the mean normal force unbalanced on a "
-                 "grain",
-                 row->name, forces->method, forces->imbalance);
-        warn(warnings, text);
-    }
-    warn_stress(warnings, row, forces, 0);
-    warn_stress(warnings, row, forces, 1);
+    const char *who = tracked ? "tracking" : "finding grains";
+    warn_tally(warnings, &flagged, who, "photos more than 5 % of the grains are flagged as not to be trusted", 100,
+               " %");
+    warn_tally(warnings, &zncc, who, "photos the grains look little like the reference, 1 - median ZNCC above 0.1", 1,
+               "");
 }
 
-static void warn_packing(struct warnings *warnings, const struct series_row *row)
+static void warn_method(struct warnings *warnings, const struct series *series, const char *method)
 {
-    char text[300];
-    if (!row->packing.path)
-        return;
-    if (row->packing.flags[19]) {
-        snprintf(text, sizeof text, "%.100s: %zu grains float: a contact was missed there", row->name,
-                 row->packing.flags[19]);
-        warn(warnings, text);
+    struct tally open = {0}, imbalance = {0}, misfit[2] = {{0}, {0}};
+    for (size_t k = 0; k < series->count; k++) {
+        const struct packing_summary *packing = &series->rows[k].packing;
+        for (size_t f = 0; f < packing->force_count; f++) {
+            const struct force_summary *forces = &packing->forces[f];
+            if (strncmp(forces->method, method, NAME_LENGTH))
+                continue;
+            if (forces->iterations > 0) /* else a method without iterations */
+                tally_add(&open, forces->converged ? 0 : forces->iterations, 0, series->rows[k].name);
+            tally_add(&imbalance, forces->imbalance, IMBALANCE, series->rows[k].name);
+            for (int axis = 0; axis < 2; axis++)
+                tally_add(&misfit[axis], fabs(forces->weber[axis][axis] / packing->applied[axis][axis] - 1),
+                          STRESS_MISFIT, series->rows[k].name);
+        }
     }
-    for (size_t f = 0; f < row->packing.force_count; f++)
-        warn_forces(warnings, row, &row->packing.forces[f]);
+    warn_tally(warnings, &open, method, "states it did not converge", 1, " iterations");
+    warn_tally(warnings, &imbalance, method,
+               "states a grain is left with an unbalanced force above 0.05 of the mean normal force", 1, "");
+    warn_tally(warnings, &misfit[0], method, "states Weber stress xx is more than 10 % off the applied one", 100, " %");
+    warn_tally(warnings, &misfit[1], method, "states Weber stress yy is more than 10 % off the applied one", 100, " %");
+}
+
+/* Every method that some state has, once. */
+static void warn_methods(struct warnings *warnings, const struct series *series)
+{
+    char done[16][NAME_LENGTH];
+    size_t count = 0;
+    for (size_t k = 0; k < series->count; k++)
+        for (size_t f = 0; f < series->rows[k].packing.force_count; f++) {
+            const char *method = series->rows[k].packing.forces[f].method;
+            size_t d = 0;
+            while (d < count && strncmp(done[d], method, NAME_LENGTH))
+                d++;
+            if (d < count || count == 16)
+                continue;
+            memcpy(done[count++], method, NAME_LENGTH);
+            warn_method(warnings, series, method);
+        }
+}
+
+static void warn_floating(struct warnings *warnings, const struct series *series)
+{
+    struct tally floating = {0};
+    for (size_t k = 0; k < series->count; k++)
+        if (series->rows[k].packing.path)
+            tally_add(&floating, (double)series->rows[k].packing.flags[19], 0, series->rows[k].name);
+    warn_tally(warnings, &floating, "contacts", "states grains float, so that a contact must have been missed", 1,
+               " grains");
 }
 
 static void warn_gaps(struct warnings *warnings, const struct series *series)
@@ -101,12 +139,10 @@ void page_warnings(const struct series *series, struct html *html)
 {
     struct warnings warnings = {html, 0};
     warn_gaps(&warnings, series);
-    for (size_t k = 0; k < series->count; k++) {
-        const struct series_row *row = &series->rows[k];
-        warn_photo(&warnings, row, &row->grains, "found");
-        warn_photo(&warnings, row, &row->tracks, "tracked");
-        warn_packing(&warnings, row);
-    }
+    warn_photos(&warnings, series, 0);
+    warn_photos(&warnings, series, 1);
+    warn_floating(&warnings, series);
+    warn_methods(&warnings, series);
     if (warnings.count)
         fputs("</ul></div>\n", html->stream);
     else

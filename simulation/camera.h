@@ -4,6 +4,7 @@
 #define SIMULATION_CAMERA_H
 
 #include "pipeline/geometry.h"
+#include "pipeline/lens.h"
 
 /* How the camera has moved when a photo is taken: seen = middle + zoom Q(angle) (corrected - middle) + shift, with the
  * photo's middle and angle counter-clockwise as seen. */
@@ -17,11 +18,13 @@ struct view {
 struct camera {
     struct vec middle; /* of the photo */
     struct view view;
+    const struct lens *lens; /* NULL: none */
 };
 
+/* The camera moves, then its lens distorts: seen = lens_seen(moved(corrected)). */
 struct vec camera_seen(const struct camera *camera, struct vec corrected);
 struct vec camera_corrected(const struct camera *camera, struct vec seen);
-/* Seen px per corrected px, and rotation of a small body, at a corrected position. */
+/* Seen px per corrected px (root of the area's), and rotation of a small body, at a corrected position. */
 void camera_local(const struct camera *camera, struct vec corrected, double *zoom, double *angle);
 
 #endif

@@ -1,6 +1,6 @@
 #include "simulation/optics.h"
 
-#include <string.h>
+#include "pipeline/random.h"
 
 static int read_range(const struct json *json, const cJSON *object, const char *key, double min, double max,
                       double *low, double *high)
@@ -122,6 +122,23 @@ static int read_noise(const struct json *json, const cJSON *section, struct opti
     return 0;
 }
 
+static int read_camera(const struct json *json, const cJSON *section, struct view *wander)
+{
+    static const char *const keys[] = {"shift_px", "angle_rad", "zoom", "blur_px", "brightness", NULL};
+    const cJSON *camera = NULL;
+    int there = json_object(json, section, "camera", &camera);
+    if (there < 1)
+        return there;
+    if (json_check_keys(json, camera, keys) || json_number(json, camera, "shift_px", 0, 1000, &wander->dx) < 0 ||
+        json_number(json, camera, "angle_rad", 0, 0.1, &wander->angle) < 0 ||
+        json_number(json, camera, "zoom", 0, 0.1, &wander->zoom) < 0 ||
+        json_number(json, camera, "blur_px", 0, 5, &wander->blur) < 0 ||
+        json_number(json, camera, "brightness", 0, 0.2, &wander->brightness) < 0)
+        return -1;
+    wander->dy = wander->dx;
+    return 0;
+}
+
 static int read_numbers(const struct json *json, const cJSON *section, struct optics *optics)
 {
     long seed = (long)optics->seed, bits = optics->bits;
@@ -137,17 +154,32 @@ static int read_numbers(const struct json *json, const cJSON *section, struct op
     return 0;
 }
 
+struct view optics_view(const struct optics *optics, long index, long reference)
+{
+    const struct view *wander = &optics->wander;
+    uint64_t key = random_bits(random_bits(optics->seed, 0x63616D657261u), (uint64_t)index);
+    if (index == reference)
+        return (struct view){0};
+    return (struct view){.dx = wander->dx * random_normal(key, 0),
+                         .dy = wander->dy * random_normal(key, 1),
+                         .angle = wander->angle * random_normal(key, 2),
+                         .zoom = 1 + wander->zoom * random_normal(key, 3),
+                         .blur = wander->blur * random_normal(key, 4),
+                         .brightness = 1 + wander->brightness * random_normal(key, 5)};
+}
+
 int optics_read(const struct scene *scene, struct optics *optics)
 {
-    static const char *const keys[] = {"seed",    "psf_px",         "bits",  "noise",  "exposure",
-                                       "shading", "frame_width_px", "grain", "void",   "frame",
-                                       "outside", "hinge",          "paper", "marker", NULL};
+    static const char *const keys[] = {"seed",           "psf_px", "bits",   "noise", "exposure", "shading",
+                                       "frame_width_px", "camera", "grain",  "void",  "frame",    "outside",
+                                       "hinge",          "paper",  "marker", NULL};
     *optics = (struct optics)OPTICS_DEFAULT;
     const cJSON *section = scene_section(scene, "optics");
     if (!section)
         return 0;
     if (json_check_keys(scene->json, section, keys) || read_numbers(scene->json, section, optics) ||
-        read_noise(scene->json, section, optics) < 0 || read_grain(scene->json, section, optics) < 0)
+        read_noise(scene->json, section, optics) < 0 || read_camera(scene->json, section, &optics->wander) < 0 ||
+        read_grain(scene->json, section, optics) < 0)
         return -1;
     struct {
         const char *name;

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "pipeline/scene.h"
+#include "simulation/camera.h"
 
 enum { PAINT_MAX = 4 };
 
@@ -34,6 +35,7 @@ struct optics {
     double bevel_width, bevel_depth;    /* px; the rim darkens by this share over this width */
     double ellipticity;                 /* mean of (longest - shortest radius) / mean radius of the faces; 0: circles */
     double frame_width;                 /* px: thickness of the steel around the specimen */
+    struct view wander; /* standard deviations of the camera's motion between photos; zoom: of zoom - 1 */
 };
 #define OPTICS_PSF_MIN 0.3
 #define OPTICS_DEFAULT                                                                                                 \
@@ -53,6 +55,9 @@ struct optics {
         .seed = 1, .psf = 0.7, .bits = 16, .exposure = 1, .grain = {.level = 0.5}, .hollow = {.level = 0.05},          \
         .frame = {.level = 0.05}, .hinge = {.level = 0.7}, .outside = {.level = 0.05}, .frame_width = 30               \
     }
+
+/* The camera of photo `index`: a normal draw per photo, none in the reference photo. */
+struct view optics_view(const struct optics *optics, long index, long reference);
 
 /* The scene's "optics" over OPTICS_DEFAULT; unknown keys and values out of range are errors with line and column. */
 int optics_read(const struct scene *scene, struct optics *optics);

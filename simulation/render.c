@@ -10,7 +10,7 @@
 
 struct camera picture_camera(const struct picture *picture)
 {
-    return (struct camera){vec(0.5 * (picture->width - 1), 0.5 * (picture->height - 1)), picture->view};
+    return (struct camera){vec(0.5 * (picture->width - 1), 0.5 * (picture->height - 1)), picture->view, picture->lens};
 }
 
 /* Paint and expose the tiles that this thread gets; every thread must reach the loop. */
@@ -68,7 +68,9 @@ int render(const struct packing *packing, const struct optics *optics, const str
     struct picture picture;
     struct plate *plates = NULL;
     *truth = (struct photo_truth){0};
-    int status = picture_of(packing, optics, scene, index, truth, &plates, &picture);
+    struct lens lens;
+    int status = scene->lens ? lens_read(scene->lens, &lens) : 0;
+    status = status || picture_of(packing, optics, scene, index, scene->lens ? &lens : NULL, truth, &plates, &picture);
     status = status || face_contacts(packing, &truth->grains, scene->scale, &truth->contacts);
     status = status || render_picture(&picture, optics, photo);
     free(plates);

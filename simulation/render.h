@@ -39,7 +39,8 @@ struct picture {
     int hinge_count;
     const struct plate *plates;
     size_t plate_count;
-    struct view view; /* the camera's motion; zeroed: none */
+    struct view view;        /* the camera's motion; zeroed: none */
+    const struct lens *lens; /* NULL: none */
 };
 
 /* The photo of a picture: the short way for tests. Grains by hand:
@@ -60,6 +61,7 @@ struct camera picture_camera(const struct picture *picture);
 struct photo_truth {
     struct photo_grains grains; /* corrected and as seen */
     struct contacts contacts;   /* m: of the faces as drawn */
+    struct view view;           /* of the camera */
     struct patches patches;     /* paper as seen; wall markers without the camera's motion */
 };
 void photo_truth_free(struct photo_truth *truth);

@@ -166,7 +166,7 @@ static void describe_seen(const struct picture *picture, struct photo_grains *gr
 }
 
 int picture_of(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,
-               struct photo_truth *truth, struct plate **plates, struct picture *picture)
+               const struct lens *lens, struct photo_truth *truth, struct plate **plates, struct picture *picture)
 {
     if (!(scene->scale > 0))
         return scene_lacks(scene, "scale_m_per_px", "render needs the size of a pixel");
@@ -174,8 +174,13 @@ int picture_of(const struct packing *packing, const struct optics *optics, const
         return scene_lacks(scene, "photos.size_px", "render needs the size of the photo");
     if (project_grains(&packing->grains, optics, scene, &truth->grains))
         return -1;
-    *picture = (struct picture){
-        .width = scene->photos.width, .height = scene->photos.height, .index = index, .grains = &truth->grains};
+    *picture = (struct picture){.width = scene->photos.width,
+                                .height = scene->photos.height,
+                                .index = index,
+                                .grains = &truth->grains,
+                                .lens = lens,
+                                .view = optics_view(optics, index, scene->photos.given ? scene->photos.reference : 0)};
+    truth->view = picture->view;
     set_frame(packing, scene, picture);
     describe_seen(picture, &truth->grains);
     return make_plates(scene, picture, plates) || describe_plates(picture, &truth->patches) ? -1 : 0;
@@ -315,12 +320,15 @@ int photo_truth_write(const char *path, const struct photo_truth *truth, const s
     provenance.index = index;
     provenance.time_s = scene_time(scene, index);
     provenance.coordinates = "corrected";
+    const double camera[6] = {truth->view.dx,   truth->view.dy,   truth->view.angle,
+                              truth->view.zoom, truth->view.blur, truth->view.brightness};
     struct state_writer *writer = state_create(path, &provenance);
     free(parameters);
     if (!writer)
         return -1;
     if (state_write(writer, "grains", &PHOTO_GRAINS, &truth->grains) ||
         state_write(writer, "patches", &PATCHES, &truth->patches) ||
+        state_write_numbers(writer, "patches", "camera", camera, 6) ||
         state_write(writer, "contacts", &CONTACTS, &truth->contacts)) {
         state_discard(writer);
         return -1;

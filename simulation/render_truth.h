@@ -7,7 +7,7 @@
 /* Grains (with the faces' shapes drawn at random when the packing has none), frame, hinges, paper and markers of the
  * packing. The picture borrows truth->grains and *plates; the latter is to be freed. */
 int picture_of(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,
-               struct photo_truth *truth, struct plate **plates, struct picture *picture);
+               const struct lens *lens, struct photo_truth *truth, struct plate **plates, struct picture *picture);
 /* Every pair of faces, and face and wall, that overlap along the branch: R_i + R_j - d > 0, rim radii along it. */
 int face_contacts(const struct packing *packing, const struct photo_grains *grains, double scale,
                   struct contacts *contacts);

@@ -176,6 +176,10 @@ static void unknown_keys_get_a_suggestion(void **state)
     assert_int_equal(json_check_keys(json, json_root(json), keys), -1);
     assert_non_null(strstr(error_message(), "the keys here are: gravity_m_per_s2, scale_m_per_px, mu"));
     json_free(json);
+    json = parse("[1]");
+    assert_int_equal(json_check_keys(json, json_root(json), keys), -1);
+    assert_string_equal(error_message(), "t.json:1:1: a group is expected here: write {\"key\": value}");
+    json_free(json);
     json = parse("{\"mu\": 1}");
     check_done(json_check_keys(json, json_root(json), keys));
     json_free(json);

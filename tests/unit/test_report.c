@@ -1,0 +1,472 @@
+/* report: matching, comparisons, exports and pictures of states that the test makes itself. */
+#include "tests/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "report/canvas.h"
+#include "report/compare.h"
+#include "report/export.h"
+#include "report/html.h"
+#include "report/map.h"
+#include "report/match.h"
+#include "report/page.h"
+
+/* ---- matching ---- */
+
+/* 900 points on a jittered lattice, shuffled and moved by up to 0.3 radii: the truth is the shuffle. */
+static void test_match_shuffled(void **unused)
+{
+    (void)unused;
+    enum { N = 900 };
+    static double ax[N + 2], ay[N + 2], bx[N], by[N], radius[N];
+    long shuffle[N], found[N + 2];
+    uint64_t state = 7;
+    for (int k = 0; k < N; k++) {
+        bx[k] = 1000 + 20 * (k % 30) + 2 * check_uniform(&state);
+        by[k] = -500 + 20 * (k / 30) + 2 * check_uniform(&state);
+        radius[k] = 9;
+        shuffle[k] = k;
+    }
+    for (int k = N - 1; k > 0; k--) {
+        int other = (int)(check_uniform(&state) * (k + 1));
+        long keep = shuffle[k];
+        shuffle[k] = shuffle[other], shuffle[other] = keep;
+    }
+    for (int k = 0; k < N; k++) {
+        ax[k] = bx[shuffle[k]] + 2.7 * (check_uniform(&state) - 0.5);
+        ay[k] = by[shuffle[k]] + 2.7 * (check_uniform(&state) - 0.5);
+    }
+    ax[N] = NAN, ay[N] = 0;                     /* lost */
+    ax[N + 1] = bx[5] + 4.4, ay[N + 1] = by[5]; /* a second circle on a grain that is already found */
+    struct match_points a = {N + 2, ax, ay}, b = {N, bx, by};
+    check_done(match_grains(&a, &b, radius, found));
+    for (int k = 0; k < N; k++)
+        assert_int_equal(found[k], shuffle[k]);
+    assert_int_equal(found[N], -1);
+    assert_int_equal(found[N + 1], -1);
+}
+
+static void test_match_edges(void **unused)
+{
+    (void)unused;
+    const double x[] = {0, 1e9}, y[] = {0, -1e9}, r[] = {1, 1}, near[] = {0.49, 0.51, 1e9};
+    const double zero[] = {0, 0, -1e9};
+    long found[3];
+    struct match_points a = {3, near, zero}, b = {2, x, y}, none = {0, x, y};
+    check_done(match_grains(&a, &b, r, found)); /* far apart: few cells all the same */
+    assert_int_equal(found[0], 0);
+    assert_int_equal(found[1], -1); /* beyond half a radius */
+    assert_int_equal(found[2], 1);
+    check_done(match_grains(&a, &none, r, found));
+    assert_int_equal(found[0], -1);
+    check_done(match_grains(&none, &b, r, found));
+}
+
+/* ---- photo side ---- */
+
+enum { GRAINS_COUNT = 20 };
+
+static void make_photo(struct photo_grains *grains, size_t rows)
+{
+    static const char *const names[] = {"x_px", "y_px",     "radius_px", "angle", "s_x",
+                                        "s_y",  "s_radius", "s_angle",   "flags", NULL};
+    check_done(table_alloc(&PHOTO_GRAINS, grains, rows, names));
+    for (size_t k = 0; k < rows; k++) {
+        grains->x_px[k] = 50 + 40 * (double)(k % 5);
+        grains->y_px[k] = 50 + 40 * (double)(k / 5);
+        grains->radius_px[k] = 18;
+        grains->angle[k] = 0;
+        grains->s_x[k] = grains->s_y[k] = 0.1;
+        grains->s_radius[k] = 0.05;
+        grains->s_angle[k] = 1e-3;
+    }
+}
+
+/* A lacks row 3, has one circle too many and one flagged row far off; the others are off by (0.3, -0.4) and 0.1. */
+static void test_compare_found(void **unused)
+{
+    (void)unused;
+    struct photo_grains a, b;
+    struct figures f = {.count = 0};
+    make_photo(&a, GRAINS_COUNT);
+    make_photo(&b, GRAINS_COUNT);
+    for (int k = 0; k < GRAINS_COUNT; k++) {
+        a.x_px[k] += 0.3, a.y_px[k] -= 0.4;
+        a.radius_px[k] += 0.1;
+    }
+    a.x_px[3] = 1000; /* false, and row 3 of B missed */
+    a.x_px[7] += 5;   /* found, but flagged: not in the errors */
+    a.flags[7] = GRAIN_WEAK_EDGE;
+    struct compare_photo pair = {.a = &a, .b = &b, .a_is_seen = 1};
+    check_done(compare_photo(&pair, &f));
+    check_near(figures_value(&f, "found"), 19, 0);
+    check_near(figures_value(&f, "missed"), 1, 0);
+    check_near(figures_value(&f, "false"), 1, 0);
+    check_near(figures_value(&f, "flagged"), 1, 0);
+    check_near(figures_value(&f, "compared"), 18, 0);
+    check_near(figures_value(&f, "centre_rms_px"), 0.5 / sqrt(2), 1e-12);
+    check_near(figures_value(&f, "centre_bias_x_px"), 0.3, 1e-12);
+    check_near(figures_value(&f, "centre_bias_y_px"), -0.4, 1e-12);
+    check_near(figures_value(&f, "centre_max_px"), 0.5, 1e-12);
+    check_near(figures_value(&f, "centre_pull"), sqrt(0.125) / 0.1, 1e-9);
+    check_near(figures_value(&f, "radius_bias_px"), 0.1, 1e-12);
+    check_near(figures_value(&f, "radius_pull"), 2, 1e-9);
+    assert_true(isnan(figures_value(&f, "displacement_rms_px")));
+    table_free(&PHOTO_GRAINS, &a);
+    table_free(&PHOTO_GRAINS, &b);
+}
+
+/* Grains turn by 30 degrees and move by (12, -7); A follows material 2 px beside the true centre without error, except
+ * that all of A is off by 0.06 px to the right and 0.01 rad. */
+static void test_compare_motion(void **unused)
+{
+    (void)unused;
+    struct photo_grains a, b, a0, b0;
+    struct figures f = {.count = 0};
+    const double turn = M_PI / 6;
+    make_photo(&a0, GRAINS_COUNT);
+    make_photo(&b0, GRAINS_COUNT);
+    make_photo(&a, GRAINS_COUNT);
+    make_photo(&b, GRAINS_COUNT);
+    for (int k = 0; k < GRAINS_COUNT; k++) {
+        b.x_px[k] = b0.x_px[k] + 12, b.y_px[k] = b0.y_px[k] - 7;
+        b0.angle[k] = 0.2, b.angle[k] = 0.2 + turn;
+        a0.x_px[k] += 2; /* counter-clockwise as seen, y down: what is right of the centre goes up */
+        a.x_px[k] = b.x_px[k] + 2 * cos(turn) + 0.06;
+        a.y_px[k] = b.y_px[k] - 2 * sin(turn);
+        a.angle[k] = turn + 0.01;
+    }
+    a.flags[0] = GRAIN_LOST;
+    a.x_px[0] = NAN;
+    struct compare_photo pair = {.a = &a, .b = &b, .a0 = &a0, .b0 = &b0};
+    check_done(compare_photo(&pair, &f));
+    check_near(figures_value(&f, "motion_compared"), 19, 0);
+    check_near(figures_value(&f, "motion_flagged"), 1, 0);
+    check_near(figures_value(&f, "displacement_rms_px"), 0.06 / sqrt(2), 1e-10);
+    check_near(figures_value(&f, "displacement_bias_x_px"), 0.06, 1e-10);
+    check_near(figures_value(&f, "displacement_bias_y_px"), 0, 1e-10);
+    check_near(figures_value(&f, "rotation_rms_deg"), 0.01 * 180 / M_PI, 1e-10);
+    check_near(figures_value(&f, "rotation_pull"), 10, 1e-9);
+    a0.count--;
+    assert_int_equal(compare_photo(&pair, &f), -1);
+    a0.count++;
+    table_free(&PHOTO_GRAINS, &a);
+    table_free(&PHOTO_GRAINS, &b);
+    table_free(&PHOTO_GRAINS, &a0);
+    table_free(&PHOTO_GRAINS, &b0);
+}
+
+/* ---- SI side ---- */
+
+/* A chain of four grains on a bottom wall: contacts 0-1, 1-2, 2-3 and 0-wall. */
+static void make_chain(struct packing *p)
+{
+    memset(p, 0, sizeof *p);
+    p->length_m = NAN;
+    check_done(table_alloc(&GRAINS, &p->grains, 4, NULL));
+    check_done(table_alloc(&WALLS, &p->walls, 1, NULL));
+    check_done(table_alloc(&CONTACTS, &p->contacts, 4, NULL));
+    for (int k = 0; k < 4; k++) {
+        p->grains.x[k] = 0.02 * k, p->grains.y[k] = 0;
+        p->grains.radius[k] = 0.01;
+        p->contacts.i[k] = k < 3 ? k : 0, p->contacts.j[k] = k + 1;
+        p->contacts.nx[k] = k < 3, p->contacts.ny[k] = k < 3 ? 0 : -1;
+        p->contacts.x[k] = 0.02 * k + 0.01, p->contacts.y[k] = 0;
+        p->contacts.overlap[k] = 1e-5;
+    }
+    p->contacts.x[3] = 0, p->contacts.y[3] = -0.01;
+    strcpy(p->walls.name[0], "bottom");
+    p->walls.x0[0] = -0.01, p->walls.x1[0] = 0.07, p->walls.y0[0] = p->walls.y1[0] = -0.01;
+    p->walls.radius[0] = 0;
+    p->forces = calloc(1, sizeof *p->forces);
+    p->force_count = 1;
+    strcpy(p->forces->method, "dem");
+    check_done(table_alloc(&CONTACT_FORCES, &p->forces->contact, 4, NULL));
+    for (int c = 0; c < 4; c++) {
+        p->forces->contact.fn[c] = 10.0 * (c + 1);
+        p->forces->contact.ft[c] = c;
+    }
+}
+
+/* The same chain with its grains numbered from the other end: normals turn over, fn and ft stay. */
+static void make_reversed(struct packing *p)
+{
+    make_chain(p);
+    for (int k = 0; k < 4; k++) {
+        p->grains.x[k] = 0.06 - 0.02 * k;
+        p->contacts.i[k] = k < 3 ? 2 - k : 3, p->contacts.j[k] = k < 3 ? 3 - k : 4;
+        p->contacts.nx[k] = k < 3 ? -1 : 0;
+    }
+}
+
+static void test_compare_renumbered(void **unused)
+{
+    (void)unused;
+    struct packing a, b;
+    struct figures f = {.count = 0};
+    make_reversed(&a);
+    make_chain(&b);
+    check_done(compare_packings(&a, &b, NULL, "dem", &f));
+    check_near(figures_value(&f, "contacts_common"), 4, 0);
+    check_near(figures_value(&f, "contact_f1"), 1, 0);
+    check_near(figures_value(&f, "r_fn"), 1, 1e-12);
+    check_near(figures_value(&f, "r_ft"), 1, 1e-12);
+    check_near(figures_value(&f, "dist_N"), 0, 1e-12);
+    packing_free(&a);
+    packing_free(&b);
+}
+
+/* A misses contact 1-2 (fn 20, ft 1), invents 1-3 (fn 6), lists 0-wall as a candidate only, and is off by (3, 4) at
+ * 0-1. */
+static void test_compare_lists(void **unused)
+{
+    (void)unused;
+    struct packing a, b;
+    struct figures f = {.count = 0};
+    make_chain(&a);
+    make_chain(&b);
+    a.contacts.i[1] = 1, a.contacts.j[1] = 3;
+    a.forces->contact.fn[1] = 6, a.forces->contact.ft[1] = 0;
+    a.contacts.flags[3] = CONTACT_CANDIDATE;
+    a.forces->contact.fn[0] += 3, a.forces->contact.ft[0] += 4;
+    check_done(compare_packings(&a, &b, NULL, NULL, &f));
+    check_near(figures_value(&f, "contacts_a"), 3, 0);
+    check_near(figures_value(&f, "contacts_b"), 4, 0);
+    check_near(figures_value(&f, "contacts_candidates"), 1, 0);
+    check_near(figures_value(&f, "contact_precision"), 2.0 / 3, 1e-12);
+    check_near(figures_value(&f, "contact_recall"), 0.5, 1e-12);
+    check_near(figures_value(&f, "contact_f1"), 4.0 / 7, 1e-12);
+    /* differences: 5 at 0-1, 0 at 2-3 and 0-wall, 6 at 1-3, hypot(20, 1) at 1-2 */
+    check_near(figures_value(&f, "dist_N"), (5 + 6 + hypot(20, 1)) / 5, 1e-12);
+    const double fa[] = {13, 30, 40}, fb[] = {10, 30, 40};
+    check_near(figures_value(&f, "r_fn"), pearson(fa, fb, 3), 1e-12);
+    assert_int_equal(compare_packings(&a, &b, "qsm", NULL, &f), -1);
+    packing_free(&a);
+    packing_free(&b);
+}
+
+/* By hand: x = 1 2 3 4, y = 2 1 4 3: r = 3/5. */
+static void test_pearson(void **unused)
+{
+    (void)unused;
+    const double x[] = {1, 2, 3, 4}, y[] = {2, 1, 4, 3}, flat[] = {5, 5, 5, 5}, minus[] = {8, 6, 4, 2};
+    check_near(pearson(x, y, 4), 0.6, 1e-14);
+    check_near(pearson(x, minus, 4), -1, 1e-14);
+    assert_true(isnan(pearson(x, flat, 4)));
+    assert_true(isnan(pearson(x, y, 1)));
+}
+
+/* ---- text ---- */
+
+static char *text_of(int (*write)(const struct loaded *, FILE *), const struct loaded *loaded)
+{
+    char *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&text, &length);
+    check_done(write(loaded, stream));
+    fclose(stream);
+    return text;
+}
+
+static int contacts_as_csv(const struct loaded *loaded, FILE *stream)
+{
+    return export_csv(loaded, "contacts", stream);
+}
+
+static void test_csv(void **unused)
+{
+    (void)unused;
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    make_chain(&loaded.packing);
+    loaded.packing.contacts.un[0] = 1.0 / 3;
+    loaded.packing.contacts.flags[1] = CONTACT_NEW | CONTACT_WALL;
+    char *text = text_of(contacts_as_csv, &loaded), *rest, *line = strtok_r(text, "\n", &rest);
+    assert_non_null(strstr(line, "i [1],j [1],nx [1],"));
+    assert_non_null(strstr(line, "un [m],"));
+    assert_non_null(strstr(line, "flags [1],flag_names,dem_fn [N],dem_ft [N],"));
+    line = strtok_r(NULL, "\n", &rest);
+    assert_non_null(strstr(line, "0,1,1,0,0.01,0,"));
+    assert_non_null(strstr(line, ",0.33333333333333331,,")); /* every digit; a missing ut is an empty cell */
+    line = strtok_r(NULL, "\n", &rest);
+    assert_non_null(strstr(line, ",589824,new|wall,20,1,"));
+    free(text);
+    loaded_free(&loaded);
+}
+
+/* A grain at (100.4, 50.7) that turned by 90 degrees and did not move: the material at (100, 51) goes round it. */
+static void test_dic(void **unused)
+{
+    (void)unused;
+    struct loaded loaded = {.path = strdup("a.hdf")};
+    double rx, ry, rot, radius, dx, dy, angle;
+    check_done(table_alloc(&PHOTO_GRAINS, &loaded.grains, 1, NULL));
+    loaded.grains.x_px[0] = loaded.grains.x_ref_px[0] = 100.4;
+    loaded.grains.y_px[0] = loaded.grains.y_ref_px[0] = 50.7;
+    loaded.grains.radius_px[0] = 20;
+    loaded.grains.angle[0] = M_PI / 2;
+    char *text = text_of(export_dic, &loaded);
+    assert_int_equal(sscanf(text, "1 %lf %lf %lf %lf %lf %lf %lf", &rx, &ry, &rot, &radius, &dx, &dy, &angle), 7);
+    check_near(rx, 100, 0);
+    check_near(ry, 51, 0);
+    check_near(100 + dx, 100.4 + 0.3, 1e-12); /* it was 0.3 below the centre: now 0.3 to its right */
+    check_near(51 + dy, 50.7 + 0.4, 1e-12);   /* it was 0.4 to the left: now 0.4 below */
+    check_near(angle, M_PI / 2, 1e-14);
+    free(text);
+    loaded_free(&loaded);
+}
+
+static void test_other_exports(void **unused)
+{
+    (void)unused;
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    make_chain(&loaded.packing);
+    char *text = text_of(export_xyz, &loaded);
+    assert_int_equal(strncmp(text, "4\nProperties=id:I:1:pos:R:3:radius:R:1:", 38), 0);
+    free(text);
+    text = text_of(export_conf, &loaded);
+    assert_int_equal(strncmp(text, "4\n0.000000000000000e+00 ", 24), 0);
+    free(text);
+    loaded_free(&loaded);
+    struct loaded photo = {.path = strdup("b.hdf")};
+    assert_int_equal(export_conf(&photo, stdout), -1);
+    assert_int_equal(export_dic(&photo, stdout), -1);
+    assert_int_equal(export_csv(&photo, "walls", stdout), -1);
+    loaded_free(&photo);
+}
+
+/* ---- pictures and pages ---- */
+
+static const uint32_t BLUE = 0x0072B2;
+
+static uint32_t pixel(const struct canvas *canvas, double x, double y)
+{
+    const unsigned char *data = cairo_image_surface_get_data(canvas->surface);
+    int stride = cairo_image_surface_get_stride(canvas->surface);
+    uint32_t value;
+    memcpy(&value, data + (size_t)y * (size_t)stride + 4 * (size_t)x, 4);
+    return value & 0xFFFFFF;
+}
+
+/* How many pixels of the column x are in the colour of a sticking contact. */
+static int blue_in_column(const struct canvas *canvas, const struct map *map, double x)
+{
+    int count = 0;
+    for (int y = 0; y < (int)map->view_height; y++)
+        count += pixel(canvas, x, y) == BLUE;
+    return count;
+}
+
+/* Lines run between centres and are as wide as the force: 10, 20, 30 N in steps of one width. */
+static void test_map_widths(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    struct canvas canvas;
+    int width[3];
+    make_chain(&p);
+    for (int c = 0; c < 4; c++)
+        p.forces->contact.ft[c] = 0;
+    struct map map = {.packing = &p, .forces = p.forces, .width = 1600, .mean_fn = 25, .title = "a"};
+    check_done(map_measure(&map));
+    check_done(canvas_begin_memory(&canvas, map.width, map.height));
+    check_done(map_draw(&map, canvas.cairo));
+    cairo_surface_flush(canvas.surface);
+    for (int c = 0; c < 3; c++)
+        width[c] = blue_in_column(&canvas, &map, map.scale * (0.02 * c + 0.01 - map.x0));
+    double unit = 0.22 * 0.01 * map.scale * 10 / 25; /* px of 10 N */
+    for (int c = 0; c < 3; c++)
+        check_near(width[c], unit * (c + 1), 2); /* the edges' pixels are blends */
+    canvas_discard(&canvas);
+    packing_free(&p);
+}
+
+static void test_map_nothing(void **unused)
+{
+    (void)unused;
+    struct packing p = {.length_m = NAN};
+    struct map map = {.packing = &p, .width = 400};
+    assert_int_equal(map_measure(&map), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+}
+
+/* Base64 of RFC 4648, section 10; nothing from outside becomes markup. */
+static void test_html(void **unused)
+{
+    (void)unused;
+    struct html html;
+    check_done(html_begin(&html));
+    html_picture(&html, "image/png", (const unsigned char *)"fooba", 5, "<script>'\"&\n");
+    html_number(&html, NAN, 3);
+    html_number(&html, -0.0, 3);
+    check_done(html_end(&html));
+    assert_non_null(strstr(html.text, "base64,Zm9vYmE=\""));
+    assert_non_null(strstr(html.text, "&lt;script&gt;&#39;&quot;&amp;"));
+    assert_null(strstr(html.text, "<script"));
+    assert_non_null(strstr(html.text, "<td>–</td><td>0</td>"));
+    html_free(&html);
+    html_free(&html);
+}
+
+/* A series of one state whose Weber stress is far from the applied one, and a method that did not converge. */
+static void test_page(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    char folder[] = "/tmp/test_report.XXXXXX", path[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/0000.forces.hdf", folder);
+    make_chain(&p);
+    for (int k = 0; k < 4; k++)
+        p.grains.mass[k] = p.grains.inertia[k] = 1;
+    p.forces->iterations = 77;
+    provenance.stage = "forces";
+    provenance.index = 0;
+    check_done(packing_write(path, &p, &provenance));
+    packing_free(&p);
+
+    char *paths[] = {path};
+    struct series series;
+    struct html html;
+    struct page page = {.name = "a <b> & c", .maps = 1};
+    check_done(series_read(paths, 1, &series));
+    check_done(html_begin(&html));
+    check_done(page_write(&page, &series, &html));
+    check_done(html_end(&html));
+    assert_non_null(strstr(html.text, "<title>a &lt;b&gt; &amp; c</title>"));
+    assert_non_null(strstr(html.text, "dem: in 1 of 1 states it did not converge (worst 77 iterations, 0000)"));
+    assert_non_null(strstr(html.text, "src=\"data:image/png;base64,"));
+    assert_null(strstr(html.text, "<script"));
+    assert_null(strstr(html.text, "http"));
+    html_free(&html);
+    series_free(&series);
+    remove(path);
+    remove(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_match_shuffled),
+        cmocka_unit_test(test_match_edges),
+        cmocka_unit_test(test_compare_found),
+        cmocka_unit_test(test_compare_motion),
+        cmocka_unit_test(test_compare_lists),
+        cmocka_unit_test(test_compare_renumbered),
+        cmocka_unit_test(test_pearson),
+        cmocka_unit_test(test_csv),
+        cmocka_unit_test(test_dic),
+        cmocka_unit_test(test_other_exports),
+        cmocka_unit_test(test_map_widths),
+        cmocka_unit_test(test_map_nothing),
+        cmocka_unit_test(test_html),
+        cmocka_unit_test(test_page),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    canvas_forget_fonts();
+    return failed;
+}
