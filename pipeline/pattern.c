@@ -9,7 +9,7 @@
 
 enum { MAX_DIGITS = 9 };
 
-/* A pattern is prefix, field, suffix; `digits` is the least number of digits, 1 for {index}. */
+/* A pattern is prefix, field, suffix; `digits` is the least number of digits, 1 for {index}, 0 without a field. */
 struct parts {
     size_t prefix;
     const char *suffix;
@@ -20,8 +20,10 @@ static const char *split(const char *pattern, struct parts *parts)
 {
     static const char plain[] = "{index}", padded[] = "{index:0";
     const char *field = strchr(pattern, '{');
-    if (!field)
-        return "put {index} or {index:04d} where the number stands";
+    if (!field) { /* one photo, index 0 */
+        *parts = (struct parts){strlen(pattern), pattern + strlen(pattern), 0};
+        return strchr(pattern, '}') ? "use exactly one {index} and no other braces" : NULL;
+    }
     parts->prefix = (size_t)(field - pattern);
     parts->digits = 1;
     if (!strncmp(field, plain, strlen(plain))) {
@@ -41,19 +43,27 @@ static const char *split(const char *pattern, struct parts *parts)
     return NULL;
 }
 
-const char *pattern_check(const char *pattern)
+const char *pattern_check(const char *pattern, int only_one)
 {
     struct parts parts;
-    return split(pattern, &parts);
+    const char *remedy = split(pattern, &parts);
+    if (!remedy && parts.digits == 0 && !only_one)
+        remedy = "put {index} or {index:04d} where the number stands (one single photo: first 0, last 0)";
+    return remedy;
 }
 
 char *pattern_format(const char *pattern, long index)
 {
     struct parts parts;
     char *name = NULL;
-    if (split(pattern, &parts) || index < 0) {
+    if (split(pattern, &parts) || index < 0 || (parts.digits == 0 && index > 0)) {
         error_set(EXIT_FAILED, "%s: no name for photo %ld", pattern, index);
         return NULL;
+    }
+    if (parts.digits == 0) {
+        if (!(name = strdup(pattern)))
+            error_set(EXIT_FAILED, "out of memory: name of a photo: use a machine with more memory");
+        return name;
     }
     if (asprintf(&name, "%.*s%0*ld%s", (int)parts.prefix, pattern, parts.digits, index, parts.suffix) < 0) {
         error_set(EXIT_FAILED, "out of memory: name of photo %ld: use a machine with more memory", index);
@@ -74,6 +84,8 @@ long pattern_index(const char *pattern, const char *path)
     if (split(pattern, &parts))
         return -1;
     const char *prefix = base_name(pattern), *name = base_name(path);
+    if (parts.digits == 0)
+        return strcmp(prefix, name) ? -1 : 0;
     size_t before = (size_t)(pattern + parts.prefix - prefix), after = strlen(parts.suffix), length = strlen(name);
     if (length <= before + after || length - before - after > MAX_DIGITS || strncmp(name, prefix, before) ||
         strcmp(name + length - after, parts.suffix))

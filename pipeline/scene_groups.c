@@ -120,7 +120,7 @@ static int read_pattern(struct scene *scene, const cJSON *object)
     photos->reference = photos->first;
     if (there && check_path(scene->json, item_of(object, "pattern"), pattern))
         return -1;
-    const char *remedy = there ? pattern_check(pattern) : NULL;
+    const char *remedy = there ? pattern_check(pattern, photos->first == 0 && photos->last == 0) : NULL;
     if (remedy)
         return json_error(scene->json, item_of(object, "pattern"), "'%.200s' names no series of photos: %s", pattern,
                           remedy);

@@ -231,8 +231,8 @@ static void refuses_mistakes_in_groups(void **state)
 static void patterns(void **state)
 {
     (void)state;
-    assert_null(pattern_check("a{index}.tif"));
-    assert_non_null(pattern_check("a.tif"));
+    assert_null(pattern_check("a{index}.tif", 0));
+    assert_non_null(pattern_check("a.tif", 0));
     char *name = pattern_format("d%d/p_{index:04d}_%s.tif", 7);
     assert_string_equal(name, "d%d/p_0007_%s.tif"); /* a pattern is never a printf format */
     free(name);
@@ -244,6 +244,11 @@ static void patterns(void **state)
     assert_int_equal(pattern_index("{index:04d}.tif", "012.tif"), -1);
     assert_int_equal(pattern_index("{index:04d}.tif", "00012.tif"), -1);
     assert_int_equal(pattern_index("{index}.tif", "7.tif"), 7);
+    assert_null(pattern_check("one.tif", 1)); /* a single photo needs no number */
+    assert_non_null(pattern_check("one.tif", 0));
+    assert_non_null(pattern_check("one}.tif", 1));
+    assert_int_equal(pattern_index("photos/one.tif", "elsewhere/one.tif"), 0);
+    assert_int_equal(pattern_index("photos/one.tif", "elsewhere/two.tif"), -1);
     assert_int_equal(pattern_index("{index}.tif", "07.tif"), -1);
     assert_int_equal(pattern_index("{index}.tif", "-7.tif"), -1);
     assert_int_equal(pattern_index("{index}.tif", ".tif"), -1);
