@@ -21,7 +21,7 @@ static double wall_mass(const struct dem *dem)
     double mass = 0;
     size_t free = 0;
     for (size_t k = 0; k < dem->count; k++)
-        if (isfinite(dem->grains[k].mass)) {
+        if (!dem->grains[k].fixed) {
             mass += dem->grains[k].mass;
             free++;
         }
@@ -62,9 +62,10 @@ int dem_step(struct dem *dem, const struct servo *servo, const struct stepping *
         return -1;
     if (dem->box.given)
         box_step(dem, servo, dt);
+#pragma omp parallel for schedule(static) if (dem->count >= dem->parallel_from)
     for (size_t k = 0; k < dem->count; k++) {
         struct dem_grain *g = &dem->grains[k];
-        if (isinf(g->mass))
+        if (g->fixed)
             continue;
         struct vec carried = stepping->follow ? box_velocity(&dem->box, g->x, g->y) : vec(0, 0);
         g->vx = carried.x + keep * (g->vx + dt * g->fx / g->mass - carried.x);

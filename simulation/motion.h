@@ -28,14 +28,21 @@ struct stepping {
 int dem_step(struct dem *dem, const struct servo *servo, const struct stepping *stepping);
 
 /* How far from static equilibrium: the largest unbalanced component (moments over radius) over all grains that are
- * not fixed and over the walls under a stress, and the mean normal force. dem_forces(dem, 0) comes first. */
+ * not fixed and over the walls under a stress, and the mean normal force (at least the dust). dem_forces_static() comes
+ * first. */
 struct imbalance {
     double largest, mean_fn; /* N */
     size_t contacts;
 };
 struct imbalance dem_imbalance(const struct dem *dem, const struct servo *servo);
 
-/* Relax to largest <= tolerance * mean_fn. 1: reached; 0: not within max_steps; -1: failed. *steps are added. */
-int dem_relax(struct dem *dem, const struct servo *servo, double tolerance, long max_steps, long *steps);
+/* When to stop relaxing. */
+struct patience {
+    double tolerance; /* largest <= tolerance * mean_fn */
+    long max_steps;
+    double stiffness; /* N/m: what a contact may have, to begin with */
+};
+/* Relax to static equilibrium. 1: reached; 0: not within max_steps; -1: failed. *steps are added. */
+int dem_relax(struct dem *dem, const struct servo *servo, const struct patience *patience, long *steps);
 
 #endif

@@ -62,20 +62,63 @@ static int cells_fill(const struct dem *dem, struct cells *cells)
     return 0;
 }
 
+static int pair_room(struct dem *dem)
+{
+    if (dem->pair_count < dem->pair_capacity)
+        return 0;
+    size_t capacity = dem->pair_capacity ? 2 * dem->pair_capacity : 8 * dem->count + 16;
+    struct dem_pair *pairs = realloc(dem->pairs, capacity * sizeof *pairs);
+    if (!pairs)
+        return error_memory("pairs of grains");
+    dem->pairs = pairs;
+    if (dem->law.kind != LAW_LINEAR) {
+        struct contact_pair *laws = realloc(dem->pair_law, capacity * sizeof *laws);
+        if (!laws)
+            return error_memory("pairs of grains");
+        dem->pair_law = laws;
+    }
+    dem->pair_capacity = capacity;
+    return 0;
+}
+
 static int pair_add(struct dem *dem, int i, int j)
 {
-    if (dem->pair_count == dem->pair_capacity) {
-        size_t capacity = dem->pair_capacity ? 2 * dem->pair_capacity : 8 * dem->count + 16;
-        struct dem_pair *pairs = realloc(dem->pairs, capacity * sizeof *pairs);
-        if (!pairs)
-            return error_memory("pairs of grains");
-        dem->pairs = pairs;
-        dem->pair_capacity = capacity;
+    if (pair_room(dem))
+        return -1;
+    dem->pairs[dem->pair_count++] = (struct dem_pair){.i = i, .j = j};
+    return 0;
+}
+
+/* What depends on the partners: the dashpot, and the law of unequal radii. */
+static void pairs_complete(struct dem *dem)
+{
+    dem->linear = contact_pair_of(&dem->law, 0);
+    for (size_t p = 0; p < dem->pair_count; p++) {
+        struct dem_pair *pair = &dem->pairs[p];
+        const struct dem_grain *g = &dem->grains[pair->i];
+        const struct dem_grain *h = (size_t)pair->j < dem->count ? &dem->grains[pair->j] : NULL;
+        double mobility = (g->fixed ? 0 : 1 / g->mass) + (h && !h->fixed ? 1 / h->mass : 0);
+        pair->damping = mobility > 0 ? 2 * dem->damping_ratio / sqrt(mobility) : 0;
+        if (dem->law.kind != LAW_LINEAR)
+            dem->pair_law[p] = contact_pair_of(&dem->law, 1 / (1 / g->radius + (h ? 1 / h->radius : 0)));
     }
-    double mass = dem->grains[i].mass, other = (size_t)j < dem->count ? dem->grains[j].mass : INFINITY;
-    double reduced = 1 / (1 / mass + 1 / other);
-    dem->pairs[dem->pair_count++] = (struct dem_pair){
-        .i = i, .j = j, .damping = isfinite(reduced) ? 2 * dem->damping_ratio * sqrt(reduced * dem->law.kn) : 0};
+}
+
+/* For each grain the pairs in which it comes second, in order: counting sort. */
+static int pairs_back(struct dem *dem)
+{
+    size_t grain_pairs = dem->first[dem->count];
+    size_t *back = realloc(dem->back, (grain_pairs + 1) * sizeof *back);
+    if (!back)
+        return error_memory("pairs of grains");
+    dem->back = back;
+    memset(dem->back_first, 0, (dem->count + 2) * sizeof *dem->back_first);
+    for (size_t p = 0; p < grain_pairs; p++)
+        dem->back_first[dem->pairs[p].j + 2]++;
+    for (size_t k = 1; k <= dem->count + 1; k++)
+        dem->back_first[k] += dem->back_first[k - 1];
+    for (size_t p = 0; p < grain_pairs; p++)
+        back[dem->back_first[dem->pairs[p].j + 1]++] = p;
     return 0;
 }
 
@@ -110,16 +153,17 @@ static int pairs_of_grain(struct dem *dem, const struct cells *cells, int i)
 
 static int pairs_with_walls(struct dem *dem)
 {
-    if (!dem->box.given)
-        return 0;
-    for (size_t i = 0; i < dem->count; i++)
-        for (int s = 0; s < SIDES; s++) {
+    for (size_t i = 0; i < dem->count; i++) {
+        dem->wall_first[i] = dem->pair_count;
+        for (int s = 0; s < SIDES && dem->box.given; s++) {
             const struct dem_grain *g = &dem->grains[i];
             const struct dem_side *side = &dem->box.side[s];
             double distance = vec_dot(vec_sub(vec(g->x, g->y), side->point), side->inward);
             if (distance < g->radius + dem->skin && pair_add(dem, (int)i, (int)dem->count + s))
                 return -1;
         }
+    }
+    dem->wall_first[dem->count] = dem->pair_count;
     return 0;
 }
 
@@ -182,8 +226,9 @@ static int search(struct dem *dem)
             goto done;
     }
     dem->first[dem->count] = dem->pair_count;
-    if (pairs_with_walls(dem))
+    if (pairs_with_walls(dem) || pairs_back(dem))
         goto done;
+    pairs_complete(dem);
     keep_history(dem, old, old_count, old_walls);
     for (size_t k = 0; k < dem->count; k++)
         dem->searched_at[k] = vec(dem->grains[k].x, dem->grains[k].y);

@@ -16,7 +16,8 @@ static void grain_give(struct dem_grain *grain, double radius, const struct simu
 {
     const double pi = 3.141592653589793;
     grain->radius = radius;
-    grain->mass = simulation->density * simulation->length * pi * radius * radius;
+    double length = isnan(simulation->length) ? 1 : simulation->length;
+    grain->mass = simulation->density * length * pi * radius * radius;
     grain->inertia = 0.5 * grain->mass * radius * radius;
 }
 
@@ -31,7 +32,7 @@ static void shuffle(struct dem *dem, uint64_t key)
     }
 }
 
-int placement_loose(const struct simulation *simulation, struct dem *dem)
+static int placement_loose(const struct simulation *simulation, struct dem *dem)
 {
     size_t count = 0, k = 0;
     double largest = 0;
@@ -63,4 +64,45 @@ int placement_loose(const struct simulation *simulation, struct dem *dem)
     dem->box.size[BOX_WIDTH] = (double)columns * cell;
     dem->box.size[BOX_HEIGHT] = (double)rows * cell;
     return 0;
+}
+
+/* Two discs that are held may not overlap; others may, a little: the relaxation parts them. */
+static int check_discs(const struct simulation *simulation)
+{
+    for (size_t a = 0; a < simulation->disc_count; a++)
+        for (size_t b = a + 1; b < simulation->disc_count; b++) {
+            const struct disc *p = &simulation->discs[a], *q = &simulation->discs[b];
+            double overlap = p->radius + q->radius - hypot(p->x - q->x, p->y - q->y);
+            if (p->fixed && q->fixed && overlap > 0)
+                return error_input("simulation: the fixed discs %zu and %zu overlap by %g m: move them apart", a, b,
+                                   overlap);
+            if (overlap > 0.2 * fmin(p->radius, q->radius))
+                return error_input("simulation: discs %zu and %zu overlap by %g m: move them apart", a, b, overlap);
+        }
+    return 0;
+}
+
+static int placement_by_hand(const struct simulation *simulation, struct dem *dem)
+{
+    if (check_discs(simulation) || dem_alloc(dem, simulation->disc_count))
+        return -1;
+    for (size_t k = 0; k < dem->count; k++) {
+        const struct disc *disc = &simulation->discs[k];
+        struct dem_grain *grain = &dem->grains[k];
+        grain_give(grain, disc->radius, simulation);
+        grain->x = disc->x, grain->y = disc->y;
+        grain->load_x = disc->load_x, grain->load_y = disc->load_y;
+        grain->fixed = disc->fixed;
+    }
+    dem->box.given = !isnan(simulation->box[0]);
+    if (dem->box.given) {
+        dem->box.size[BOX_WIDTH] = simulation->box[0];
+        dem->box.size[BOX_HEIGHT] = simulation->box[1];
+    }
+    return 0;
+}
+
+int placement(const struct simulation *simulation, struct dem *dem)
+{
+    return simulation->disc_count ? placement_by_hand(simulation, dem) : placement_loose(simulation, dem);
 }

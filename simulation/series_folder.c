@@ -10,8 +10,22 @@
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
 
+static const char LOADS_HEADER[] = "index,wall,fx_N,fy_N\n";
+static const char SUMMARY_HEADER[] =
+    "index,exx,eyy,gamma,sxx_N_per_m,syy_N_per_m,sxy_N_per_m,applied_xx_N_per_m,applied_yy_N_per_m,applied_xy_N_per_m,"
+    "kappa,solid,z,h,rattlers,sliding,inertial_number,stored_J,lost_J,work_J,unbalanced,static,steps\n";
+
+static int table_begin(struct text_table *table, const char *header)
+{
+    table->stream = open_memstream(&table->text, &table->size);
+    if (!table->stream)
+        return error_memory("tables of the series");
+    fputs(header, table->stream);
+    return 0;
+}
+
 int series_folder_open(struct series_folder *folder, const struct scene *scene, const char *parameters,
-                       const char *path)
+                       const char *path, long states)
 {
     memset(folder, 0, sizeof *folder);
     folder->scene = scene;
@@ -22,10 +36,9 @@ int series_folder_open(struct series_folder *folder, const struct scene *scene, 
     struct stat status;
     if (stat(path, &status) || !S_ISDIR(status.st_mode))
         return error_failed("%s: not a folder: name another one", path);
-    folder->loads_stream = open_memstream(&folder->loads, &folder->loads_size);
-    if (!folder->loads_stream)
-        return error_memory("loads.csv");
-    fputs("index,wall,fx_N,fy_N\n", folder->loads_stream);
+    if (table_begin(&folder->loads, LOADS_HEADER) || table_begin(&folder->summary, SUMMARY_HEADER))
+        return -1;
+    progress_begin(&folder->progress, "states", (size_t)states);
     return 0;
 }
 
@@ -58,6 +71,22 @@ static char *path_in(const struct series_folder *folder, const char *name)
     return path;
 }
 
+static void summary_row(FILE *stream, const struct simulation_state *s)
+{
+    const double numbers[] = {s->strain[0],     s->strain[1],    s->strain[2],     s->stress[0][0],
+                              s->stress[1][1],  s->stress[0][1], s->applied[0][0], s->applied[1][1],
+                              s->applied[0][1], s->kappa,        s->solid,         s->z,
+                              s->indeterminacy, s->rattlers,     s->sliding,       s->inertial,
+                              s->stored,        s->lost,         s->work,          s->unbalanced};
+    fprintf(stream, "%" PRId64, s->index);
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        if (isfinite(numbers[k]))
+            fprintf(stream, ",%.17g", numbers[k]);
+        else
+            fputc(',', stream);
+    fprintf(stream, ",%d,%ld\n", s->relaxed, s->steps);
+}
+
 int series_folder_save(const struct packing *packing, const struct simulation_state *state, void *user)
 {
     struct series_folder *folder = user;
@@ -80,20 +109,22 @@ int series_folder_save(const struct packing *packing, const struct simulation_st
     if (status)
         return -1;
     for (size_t w = 0; w < packing->walls.count; w++)
-        fprintf(folder->loads_stream, "%" PRId64 ",%.*s,%.17g,%.17g\n", state->index, NAME_LENGTH,
+        fprintf(folder->loads.stream, "%" PRId64 ",%.*s,%.17g,%.17g\n", state->index, NAME_LENGTH,
                 packing->walls.name[w], packing->walls.fx[w], packing->walls.fy[w]);
+    summary_row(folder->summary.stream, state);
     folder->states++;
     folder->unrelaxed += !state->relaxed;
+    progress_step(&folder->progress);
     return 0;
 }
 
-static int write_loads(const struct series_folder *folder, const char *path)
+static int table_write(struct text_table *table, const char *path)
 {
     struct new_file file;
     if (new_file_begin(&file, path))
         return -1;
     FILE *stream = fopen(file.temporary, "w");
-    int written = stream && fwrite(folder->loads, 1, folder->loads_size, stream) == folder->loads_size;
+    int written = stream && fwrite(table->text, 1, table->size, stream) == table->size;
     if (stream && fclose(stream))
         written = 0;
     if (!written) {
@@ -104,17 +135,25 @@ static int write_loads(const struct series_folder *folder, const char *path)
     return new_file_commit(&file);
 }
 
+/* Writes the table when there is something in it, and frees it. */
+static int table_end(const struct series_folder *folder, struct text_table *table, const char *name)
+{
+    int status = table->stream && fclose(table->stream) ? error_memory(name) : 0;
+    if (!status && table->stream && folder->states) {
+        char *path = path_in(folder, name);
+        status = path ? table_write(table, path) : -1;
+        free(path);
+    }
+    free(table->text);
+    *table = (struct text_table){0};
+    return status;
+}
+
 int series_folder_close(struct series_folder *folder)
 {
-    int status = 0;
-    if (folder->loads_stream && fclose(folder->loads_stream))
-        status = error_memory("loads.csv");
-    char *path = status || !folder->states ? NULL : path_in(folder, "loads.csv");
-    if (path)
-        status = write_loads(folder, path);
-    free(path);
-    free(folder->loads);
-    folder->loads = NULL;
-    folder->loads_stream = NULL;
-    return status;
+    if (folder->progress.what)
+        progress_end(&folder->progress);
+    int loads = table_end(folder, &folder->loads, "loads.csv");
+    int summary = table_end(folder, &folder->summary, "states.csv");
+    return loads || summary ? -1 : 0;
 }

@@ -6,6 +6,7 @@
 #include "simulation/loading.h"
 #include "simulation/placement.h"
 #include "simulation/snapshot.h"
+#include "simulation/summary.h"
 
 struct run {
     struct loading loading;
@@ -27,9 +28,12 @@ static int save_state(struct run *run, int relaxed)
 {
     struct dem *dem = &run->loading.dem;
     struct packing packing = {0};
-    struct simulation_state state = {
-        .index = run->index, .pressure = run->loading.pressure, .relaxed = relaxed, .steps = run->loading.steps};
-    if (run->reference.given)
+    struct simulation_state state = {.index = run->index,
+                                     .pressure = run->loading.pressure,
+                                     .inertial = run->loading.fastest * run->loading.time_unit,
+                                     .relaxed = relaxed,
+                                     .steps = run->loading.steps};
+    if (dem->box.given && run->reference.given)
         strain_since(&run->reference.box, &dem->box, state.strain);
     int status =
         snapshot_packing(dem, &run->loading.servo, run->reference.given ? &run->reference : NULL,
@@ -37,6 +41,7 @@ static int save_state(struct run *run, int relaxed)
     if (!status) {
         packing.forces->iterations = (int)fmin((double)run->loading.steps, 2e9);
         packing.forces->converged = relaxed;
+        summary_fill(dem, &run->loading.servo, &packing, &state);
         status = run->save(&packing, &state, run->user);
     }
     packing_free(&packing);
@@ -55,7 +60,7 @@ static int run_test(struct run *run)
     const struct simulation *simulation = run->loading.simulation;
     for (size_t s = 0; s < simulation->step_count; s++)
         for (long k = 0; k < simulation->steps[s].count; k++) {
-            int relaxed = loading_strain(&run->loading, simulation->steps[s].strain);
+            int relaxed = loading_step(&run->loading, simulation->steps[s].amount);
             if (relaxed < 0 || save_state(run, relaxed))
                 return -1;
         }
@@ -65,7 +70,7 @@ static int run_test(struct run *run)
 static int run_all(struct run *run)
 {
     struct dem *dem = &run->loading.dem;
-    int relaxed = loading_compress(&run->loading);
+    int relaxed = loading_begin(&run->loading);
     if (relaxed < 0)
         return -1;
     for (size_t k = 0; k < dem->count; k++)
@@ -73,10 +78,18 @@ static int run_all(struct run *run)
     return save_state(run, relaxed) || run_test(run) ? -1 : 0;
 }
 
+long simulation_states(const struct simulation *simulation)
+{
+    long states = 1;
+    for (size_t s = 0; s < simulation->step_count; s++)
+        states += simulation->steps[s].count;
+    return states;
+}
+
 int simulate(const struct simulation *simulation, simulation_save *save, void *user)
 {
     struct run run = {.save = save, .user = user, .loading.simulation = simulation};
-    int status = placement_loose(simulation, &run.loading.dem);
+    int status = placement(simulation, &run.loading.dem);
     if (!status)
         status = run_all(&run);
     if (!status && run.unrelaxed)

@@ -10,7 +10,7 @@ static const char doc[] =
     "Simulate a loading test on a packing of rods seen from their end: discs with linear springs, dashpots and Coulomb "
     "friction are compressed between four walls, relaxed to static equilibrium, and strained step by step. Each saved "
     "state goes into OUT/N.truth.hdf: grains, walls, contacts and the exact contact forces (/forces/dem); the loads "
-    "of the walls go into OUT/loads.csv."
+    "of the walls go into OUT/loads.csv, stresses, fabric and energies into OUT/states.csv."
     "\vThe scene says what to simulate:\n"
     "  \"grains\": {\"density_kg_m3\": 730, \"length_m\": 0.06},\n"
     "  \"contact\": {\"law\": \"linear\", \"kn_N_per_m\": 1.09e7, \"mu\": 0.53},\n"
@@ -45,7 +45,8 @@ static int run(const struct options *options)
     if (!status && !(parameters = simulation_parameters(&scene)))
         status = -1;
     if (!status)
-        status = series_folder_open(&folder, &scene, parameters, options->cli.output);
+        status =
+            series_folder_open(&folder, &scene, parameters, options->cli.output, simulation_states(&plan.simulation));
     if (!status && simulate(&plan.simulation, series_folder_save, &folder) < 0)
         status = -1;
     if (series_folder_close(&folder))

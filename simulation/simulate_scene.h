@@ -9,7 +9,8 @@
 struct simulation_plan {
     struct simulation simulation;
     struct grade *grading;
-    struct strain_steps *steps;
+    struct disc *discs;
+    struct loading_steps *steps;
 };
 
 /* The test that the scene describes; every mistake is an error with line and column. */

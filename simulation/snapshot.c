@@ -43,6 +43,8 @@ static int write_grains(const struct dem *dem, struct grains *grains)
     if (table_alloc(&GRAINS, grains, dem->count, columns))
         return -1;
     int loaded = dem->gravity.x != 0 || dem->gravity.y != 0;
+    for (size_t k = 0; k < dem->count; k++)
+        loaded |= dem->grains[k].load_x != 0 || dem->grains[k].load_y != 0;
     for (int c = 0; loaded && c < 3; c++)
         if (table_add(&GRAINS, grains, loads[c]))
             return -1;
@@ -54,9 +56,10 @@ static int write_grains(const struct dem *dem, struct grains *grains)
         grains->angle[k] = g->angle;
         grains->mass[k] = g->mass;
         grains->inertia[k] = g->inertia;
+        grains->flags[k] = g->fixed ? GRAIN_FIXED : 0;
         if (loaded) {
-            grains->load_x[k] = g->mass * dem->gravity.x;
-            grains->load_y[k] = g->mass * dem->gravity.y;
+            grains->load_x[k] = g->load_x + g->mass * dem->gravity.x;
+            grains->load_y[k] = g->load_y + g->mass * dem->gravity.y;
             grains->load_m[k] = 0;
         }
     }
@@ -289,14 +292,14 @@ static int write_forces(const struct dem *dem, struct packing *packing)
         if (!pair->touching)
             continue;
         forces->contact.fn[row] = pair->fn;
-        forces->contact.ft[row] = pair->ft;
+        forces->contact.ft[row] = pair->spring.ft;
         forces->contact.status[row] = pair->fn <= 0 ? STATUS_OPEN : pair->slips ? STATUS_SLIP : STATUS_STICK;
         mean += pair->fn;
         row++;
     }
-    mean = row ? mean / (double)row : 0;
+    mean = fmax(row ? mean / (double)row : 0, dem->dust);
     forces->kn = dem->law.kn;
-    forces->kt = dem->law.kn * dem->law.kt_over_kn;
+    forces->kt = dem->law.kn * dem->law.kt_over_kn; /* NaN where the stiffness depends on the force */
     forces->mu = dem->mu;
     if (flag_rattlers(packing, forces->contact.fn, mean) || write_residuals(packing, forces))
         return -1;

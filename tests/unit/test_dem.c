@@ -70,7 +70,7 @@ static void momentum_is_conserved(void **state)
     }
     double energy = kinetic(&dem);
     momenta(&dem, before, sizes);
-    advance(&dem, 0.02 * dem_time_unit(&dem), 20000);
+    advance(&dem, 0.02 * dem_time_unit(&dem, dem.law.kn), 20000);
     momenta(&dem, after, sizes);
     assert_true(dem.searches > 1);
     check_at_most(kinetic(&dem), 0.7 * energy); /* they did collide */
@@ -87,7 +87,7 @@ static double rebound(double restitution)
     dem.damping_ratio = dem_damping_ratio(restitution);
     dem.grains[0].vx = 0.1, dem.grains[1].vx = -0.1;
     dem.grains[1].x = 0.0201;
-    advance(&dem, 0.001 * dem_time_unit(&dem), 8000);
+    advance(&dem, 0.001 * dem_time_unit(&dem, dem.law.kn), 8000);
     double ratio = (dem.grains[1].vx - dem.grains[0].vx) / 0.2;
     assert_int_equal(dem.pairs[0].touching, 0);
     dem_free(&dem);
@@ -110,7 +110,7 @@ static void oblique(double mu, double vn, double vt, double *un, double *ut, dou
     dem.law.kn = 1e10; /* so short that the normal does not turn meanwhile */
     dem.grains[1].x = 0.02 + 1e-9;
     dem.grains[1].vx = -vn, dem.grains[1].vy = vt;
-    advance(&dem, 0.001 * dem_time_unit(&dem), 4000);
+    advance(&dem, 0.001 * dem_time_unit(&dem, dem.law.kn), 4000);
     double nx = dem.grains[1].x - dem.grains[0].x, ny = dem.grains[1].y - dem.grains[0].y, d = hypot(nx, ny);
     double vx = dem.grains[1].vx - dem.grains[0].vx, vy = dem.grains[1].vy - dem.grains[0].vy;
     *un = (vx * nx + vy * ny) / d;
@@ -146,7 +146,7 @@ static void a_wall_throws_a_disc_back(void **state)
     dem.box.given = 1;
     dem.box.size[BOX_WIDTH] = dem.box.size[BOX_HEIGHT] = 0.05;
     dem.grains[0].x = 0.025, dem.grains[0].y = 0.011, dem.grains[0].vy = -0.1;
-    advance(&dem, 0.001 * dem_time_unit(&dem), 30000);
+    advance(&dem, 0.001 * dem_time_unit(&dem, dem.law.kn), 30000);
     check_near(dem.grains[0].vy, 0.05, 2e-4);
     check_near(dem.grains[0].x, 0.025, 0);
     dem_free(&dem);
@@ -198,7 +198,7 @@ static void friction_survives_a_search(void **state)
     check_done(dem_forces_static(&dem, 0));
     dem.grains[1].vy = 1e-3;
     check_done(dem_forces_static(&dem, 1e-2));
-    double ft = dem.pairs[0].ft;
+    double ft = dem.pairs[0].spring.ft;
     check_near(ft, -1e6 * 0.8 * 1e-5, 1e-9);
     size_t searches = dem.searches;
     dem.grains[1].vy = 0;
@@ -206,7 +206,7 @@ static void friction_survives_a_search(void **state)
     check_done(dem_forces_static(&dem, 1e-2));
     assert_int_equal(dem.searches, searches + 1);
     assert_int_equal(dem.pair_count, 2);
-    check_near(dem.pairs[0].ft, ft, 0);
+    check_near(dem.pairs[0].spring.ft, ft, 0);
     dem_free(&dem);
 }
 

@@ -42,7 +42,7 @@ static void series_free(struct series *series)
 }
 
 static const struct grade GRADING[] = {{30, 8e-3}, {16, 12e-3}, {14, 14e-3}};
-static const struct strain_steps STEPS[] = {{2, 1e-3}, {1, -5e-4}};
+static const struct loading_steps STEPS[] = {{2, 1e-3}, {1, -5e-4}};
 
 static struct simulation sixty_discs(void)
 {

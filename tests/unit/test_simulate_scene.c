@@ -51,7 +51,7 @@ static void a_whole_section_is_read(void **state)
     assert_int_equal(s->grading[1].count, 2);
     check_near(s->grading[1].diameter, 0.02, 0);
     check_near(s->aspect, 2, 0);
-    check_near(s->kappa, 1e7 / (1e5 * 0.05), 1e-9);
+    check_near(s->pressure, 1e5 * 0.05, 1e-9);
     check_near(s->preparation_mu, 0.1, 0);
     check_near(s->restitution, 0.4, 0);
     check_near(s->inertial, 1e-4, 0);
@@ -62,7 +62,7 @@ static void a_whole_section_is_read(void **state)
     assert_int_equal(s->max_steps, 1000);
     assert_int_equal(s->test, TEST_BIAXIAL_VERTICAL);
     assert_int_equal(s->step_count, 2);
-    check_near(s->steps[1].strain, -1e-3, 0);
+    check_near(s->steps[1].amount, -1e-3, 0);
     char *parameters = simulation_parameters(&scene);
     assert_non_null(strstr(parameters, "\"seed\":9"));
     assert_non_null(strstr(parameters, "\"density_kg_m3\":700"));
