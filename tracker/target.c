@@ -16,7 +16,7 @@ static double chance(const struct target *target)
 
 double target_good_zncc(const struct target *target, int searched)
 {
-    return clamp((searched ? 4.5 : 2.5) * chance(target), 0.5, 0.9);
+    return searched ? clamp(4.5 * chance(target), 0.6, 0.9) : clamp(2.5 * chance(target), 0.5, 0.9);
 }
 
 double target_lost_zncc(const struct target *target, int searched)

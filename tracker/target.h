@@ -18,10 +18,11 @@ struct target {
 struct outcome {
     int found; /* 0: nothing yet; 1: something, doubtful; 2: good */
     struct fit fit;
-    double rival; /* ZNCC of the best other place that a search saw, refined; 0: none */
-    int searched; /* by the blind search */
-    int masked;   /* the subset was cut by the photo's border; */
-    double used;  /* share of the subset that was used */
+    double rival;     /* ZNCC of the best other place that a search saw, refined; 0: none */
+    int contradicted; /* by the other grains (consistency.h) */
+    int searched;     /* by the blind search */
+    int masked;       /* the subset was cut by the photo's border; */
+    double used;      /* share of the subset that was used */
 };
 
 /* ZNCC from which a match is good, and from which it is anything at all. A wrong place reaches k / sqrt(specks) by

@@ -7,6 +7,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/progress.h"
+#include "tracker/consistency.h"
 #include "tracker/drift.h"
 #include "tracker/neighbours.h"
 #include "tracker/tracks.h"
@@ -262,20 +263,31 @@ static void expect(struct follow *follow, const struct photo_grains *previous)
     }
 }
 
+static void demote(struct follow *follow)
+{
+    const struct tracker *tracker = follow->tracker;
+    consistency_demote(follow->outcomes + tracker->patch_count, tracker->grains->count);
+}
+
 static int find_all(struct follow *follow)
 {
     const struct tracker *tracker = follow->tracker;
     if (for_each(follow, 0, tracker->count, from_expected))
         return -1;
+    demote(follow);
     if (!open_targets(follow, 0, tracker->count))
         return 0;
     if (need_pyramids(follow) || for_each(follow, 0, tracker->patch_count, from_nothing) || spread(follow))
         return -1;
+    demote(follow);
     if (!open_targets(follow, tracker->patch_count, tracker->count))
         return 0;
     if (for_each(follow, tracker->patch_count, tracker->count, seeds_from_nothing) || spread(follow))
         return -1;
-    return for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow) ? -1 : 0;
+    if (for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow))
+        return -1;
+    demote(follow);
+    return 0;
 }
 
 /* The reference photo in itself: no motion, exactly. */
@@ -321,6 +333,8 @@ int tracker_follow(struct tracker *tracker, const struct photo *photo, const str
     if (!status) {
         expect(&follow, previous);
         status = same_photo(photo, reference) ? for_each(&follow, 0, tracker->count, stay) : find_all(&follow);
+        consistency_check(tracker->targets + tracker->patch_count, tracker->grains->radius_px, tracker->nearest,
+                          follow.outcomes + tracker->patch_count, tracker->grains->count);
     }
     if (!status) {
         struct camera camera = CAMERA_FIXED;

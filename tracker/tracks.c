@@ -15,6 +15,14 @@ static int has_rival(const struct target *target, const struct outcome *outcome)
                                      fmax(0.25, 3 / sqrt(specks));
 }
 
+/* Too little texture: errors of half a pixel or half a degree would be within three standard errors. */
+static int is_vague(const struct fit *fit)
+{
+    const double shift = 0.5 / 3, turn = 0.5 / 3 * 3.141592653589793 / 180;
+    return fit->covariance[0][0] > shift * shift || fit->covariance[1][1] > shift * shift ||
+           fit->covariance[2][2] > turn * turn;
+}
+
 static uint32_t flags_of(const struct target *target, const struct outcome *outcome)
 {
     const struct subset *subset = &target->subset;
@@ -31,9 +39,11 @@ static uint32_t flags_of(const struct target *target, const struct outcome *outc
         return flags | GRAIN_LOST;
     if (outcome->used < half_subset)
         flags |= GRAIN_OUT_OF_VIEW;
+    if (is_vague(&outcome->fit))
+        flags |= GRAIN_NO_CONTRAST;
     if (outcome->found == 1)
         flags |= GRAIN_LOW_ZNCC;
-    if (has_rival(target, outcome))
+    if (outcome->contradicted || has_rival(target, outcome))
         flags |= GRAIN_AMBIGUOUS;
     return flags | (outcome->searched ? GRAIN_RESCUED : 0) | (outcome->fit.fine ? GRAIN_SPECKLED_FINE : 0);
 }
