@@ -1,17 +1,22 @@
 #include "findgrains/edge_fit.h"
 
+#include "findgrains/edge_profile.h"
 #include "pipeline/error.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEVEL_OUT, STEP, SHIFT, NEIGHBOUR, BLUR, GREY, COLUMNS };
-enum { PRODUCTS = COLUMNS * COLUMNS, PIXELS = PRODUCTS, NEAREST, SUMS };
+/* Columns of the least squares in one sector; the photo itself is one of them. The first PLAIN ones are there at every
+ * pixel. */
+enum { LEVEL_OUT, STEP, SHIFT, TEXTURE_NEAR, TEXTURE_DEEP, GREY, PLAIN, NEIGHBOUR = PLAIN, BLUR, COLUMNS };
+/* What a sector collects: products of columns, its number of pixels, the narrowest gap to something else. */
+enum { PIXELS = COLUMNS * COLUMNS, NEAREST, SUMS };
 
 #define HIDDEN_GAP 1.2    /* blurs: a sector whose rim is nearer to a neighbour's than this tells nothing */
 #define LEAST_SECTORS 8.0 /* of a rim */
 #define LEAST_SEEN 7
+#define NEGLIGIBLE 1e-6  /* share of a neighbour's step at a pixel */
 #define INSIDE_OTHER 1.0 /* blurs: pixels deeper than this inside a neighbour are left out */
 #define OUTSIDE_ZONE 1.0 /* blurs: pixels nearer than this to the frame are left out */
 
@@ -47,16 +52,6 @@ static int make_room(struct edge_work *work, int count)
     return 0;
 }
 
-static double normal_cdf(double t)
-{
-    return 0.5 * erfc(-t * M_SQRT1_2);
-}
-
-static double normal_pdf(double t)
-{
-    return 0.3989422804014327 * exp(-0.5 * t * t);
-}
-
 struct annulus {
     const struct photo *photo;
     const struct zone *zone;
@@ -80,10 +75,39 @@ static double neighbour_profile(const struct annulus *ring, double x, double y, 
             continue;
         double r = sqrt(square), rho = r > 0 ? r - rim_radius_at(other, dx / r, dy / r) : -other->radius;
         rho += s * s / (2 * other->radius);
-        sum += normal_cdf(-rho / s);
+        sum += profile_at(rho / s).step;
         *depth = fmax(*depth, -rho);
     }
     return sum;
+}
+
+/* Add one pixel's products to a sector: the upper triangle in the order of the columns. */
+static void add_products(const struct annulus *ring, double t, double other, double grey, double *sums)
+{
+    const struct edge_settings *settings = ring->settings;
+    struct profile profile = profile_at(t);
+    double bell = profile.bell / settings->blur;
+    const double row[COLUMNS] = {1, profile.step, bell, profile.near_rim, profile.deeper, grey, other, t * bell};
+    for (int i = 0; i < PLAIN; i++)
+        for (int j = i; j < PLAIN; j++)
+            sums[i * COLUMNS + j] += row[i] * row[j];
+    if (other > NEGLIGIBLE)
+        for (int i = 0; i <= NEIGHBOUR; i++)
+            sums[i * COLUMNS + NEIGHBOUR] += row[i] * other;
+    if (settings->fit_blur)
+        for (int i = 0; i <= BLUR; i++)
+            sums[i * COLUMNS + BLUR] += row[i] * row[BLUR];
+    sums[PIXELS] += 1;
+}
+
+/* Angle of (x, y) as a share of the turn, 0 at -x, by a polynomial: right to 2e-5 turns. */
+static double turn_of(double y, double x)
+{
+    double ax = fabs(x), ay = fabs(y), low = ax < ay ? ax : ay, high = ax < ay ? ay : ax, q = low / high, q2 = q * q;
+    double a = q * (0.15914934 + q2 * (-0.05252893 + q2 * (0.02848955 + q2 * -0.01010790)));
+    a = ay > ax ? 0.25 - a : a;
+    a = x < 0 ? 0.5 - a : a;
+    return 0.5 + (y < 0 ? -a : a);
 }
 
 static void add_pixel(const struct annulus *ring, int x, int y, double grey, struct edge_work *work)
@@ -95,7 +119,7 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
     double rho = r - rim_radius_at(rim, dx / r, dy / r) + ring->shrink;
     if (fabs(rho) > ring->settings->window)
         return;
-    int k = (int)((atan2(dy, dx) / (2 * M_PI) + 0.5) * work->count);
+    int k = (int)(turn_of(dy, dx) * work->count);
     k = k < 0 ? 0 : k >= work->count ? work->count - 1 : k;
     double *sums = work->sums + (size_t)k * SUMS, depth = -INFINITY;
     double other = ring->other_count ? neighbour_profile(ring, x, y, &depth) : 0;
@@ -112,12 +136,7 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
         if (inside < OUTSIDE_ZONE * s)
             return;
     }
-    double t = rho / s, bell = normal_pdf(t) / s;
-    double row[COLUMNS] = {1, normal_cdf(-t), bell, other, t * bell, grey};
-    for (int i = 0; i < COLUMNS; i++)
-        for (int j = i; j < COLUMNS; j++)
-            sums[i * COLUMNS + j] += row[i] * row[j];
-    sums[PIXELS] += 1;
+    add_products(ring, rho / s, other, grey, sums);
 }
 
 static void add_run(const struct annulus *ring, int y, double from, double to, struct edge_work *work)
@@ -169,14 +188,18 @@ static int solve(int n, double m[][COLUMNS + 2])
     return 1;
 }
 
-/* The void's level is known roughly; a neighbour's step is about as high as other steps, or half or twice that. */
+/* The void's level is known roughly; the texture terms are small. */
 static void add_priors(double *sums, const struct edge_settings *settings)
 {
-    double noise2 = settings->noise * settings->noise,
-           weight = noise2 / (settings->void_spread * settings->void_spread);
+    double weight = pow(settings->noise / settings->void_spread, 2), level = settings->void_level;
     sums[LEVEL_OUT * COLUMNS + LEVEL_OUT] += weight;
-    sums[LEVEL_OUT * COLUMNS + GREY] += weight * settings->void_level;
-    sums[GREY * COLUMNS + GREY] += weight * settings->void_level * settings->void_level;
+    sums[LEVEL_OUT * COLUMNS + GREY] += weight * level;
+    sums[GREY * COLUMNS + GREY] += weight * level * level;
+    if (settings->texture > 0) {
+        double texture = 1 / (settings->texture * settings->texture);
+        sums[TEXTURE_NEAR * COLUMNS + TEXTURE_NEAR] += texture;
+        sums[TEXTURE_DEEP * COLUMNS + TEXTURE_DEEP] += texture;
+    }
 }
 
 static int ascending(const void *a, const void *b)
@@ -198,45 +221,57 @@ static double hidden_gap_of(const struct edge_work *work, double blur)
     return fmin(HIDDEN_GAP * blur, gaps[work->count - seen]);
 }
 
+static double product(const double *sums, int a, int b)
+{
+    return sums[a < b ? a * COLUMNS + b : b * COLUMNS + a];
+}
+
+/* Which columns a sector has; returns how many. */
+static int choose_columns(const double *sums, const struct edge_settings *settings, int column[COLUMNS])
+{
+    int n = 0;
+    column[n++] = LEVEL_OUT;
+    column[n++] = STEP;
+    column[n++] = SHIFT;
+    if (settings->texture > 0) {
+        column[n++] = TEXTURE_NEAR;
+        column[n++] = TEXTURE_DEEP;
+    }
+    if (product(sums, NEIGHBOUR, NEIGHBOUR) > 1e-4)
+        column[n++] = NEIGHBOUR;
+    if (settings->fit_blur)
+        column[n++] = BLUR;
+    return n;
+}
+
 /* Least squares of one sector from its sums. */
 static void fit_sector(double *sums, double hidden_gap, const struct edge_settings *settings, struct sector *sector)
 {
-    int active[COLUMNS], n = 0;
-    active[n++] = LEVEL_OUT;
-    active[n++] = STEP;
-    int shift_at = n;
-    active[n++] = SHIFT;
-    if (sums[NEIGHBOUR * COLUMNS + NEIGHBOUR] > 1e-4)
-        active[n++] = NEIGHBOUR;
-    int blur_at = n;
-    if (settings->fit_blur)
-        active[n++] = BLUR;
+    int column[COLUMNS], n = choose_columns(sums, settings, column), with_prior = settings->texture > 0 ? 2 : 0;
+    double spare = sums[PIXELS] - (n - with_prior);
     sector->hidden = sums[NEAREST] < hidden_gap;
-    double pixels = sums[PIXELS];
-    if (sector->hidden || pixels < n + 1)
+    if (sector->hidden || spare < 1)
         return;
     add_priors(sums, settings);
-    double m[COLUMNS][COLUMNS + 2];
+    double m[COLUMNS][COLUMNS + 2], square = product(sums, GREY, GREY);
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
-            m[i][j] =
-                active[i] <= active[j] ? sums[active[i] * COLUMNS + active[j]] : sums[active[j] * COLUMNS + active[i]];
-        m[i][n] = sums[active[i] * COLUMNS + GREY];
-        m[i][n + 1] = i == shift_at;
+            m[i][j] = product(sums, column[i], column[j]);
+        m[i][n] = product(sums, column[i], GREY);
+        m[i][n + 1] = column[i] == SHIFT;
     }
     if (!solve(n, m))
         return;
-    double square = sums[GREY * COLUMNS + GREY];
     for (int i = 0; i < n; i++)
-        square -= m[i][n] * sums[active[i] * COLUMNS + GREY];
-    double step = m[1][n];
+        square -= m[i][n] * product(sums, column[i], GREY);
+    double step = m[STEP][n] + (settings->texture > 0 ? m[TEXTURE_NEAR][n] : 0);
     if (!(step > settings->least_step))
         return;
-    sector->residual = fmax(square, 0) / (pixels - n);
+    sector->residual = fmax(square, 0) / spare;
     sector->step = step;
-    sector->shift = m[shift_at][n] / step;
-    sector->variance = m[shift_at][n + 1] / (step * step); /* times the residual's variance: the caller's choice */
-    sector->blur_error = settings->fit_blur ? m[blur_at][n] / step : 0;
+    sector->shift = m[SHIFT][n] / step;
+    sector->variance = m[SHIFT][n + 1] / (step * step);
+    sector->blur_error = settings->fit_blur ? m[n - 1][n] / step : 0;
     sector->used = isfinite(sector->shift) && fabs(sector->shift) < settings->window && sector->variance > 0;
 }
 
@@ -246,6 +281,7 @@ int edge_fit(const struct photo *photo, const struct zone *zone, const struct ri
     int count = (int)fmax(LEAST_SECTORS, floor(2 * M_PI * rim->radius / settings->sector));
     if (make_room(work, count))
         return -1;
+    profile_prepare();
     double s = settings->blur, reach = rim->radius + settings->window + 2 * s;
     struct annulus ring = {photo, zone, rim, others, other_count, settings, .shrink = s * s / (2 * rim->radius)};
     ring.near_frame = zone->has_frame && zone_depth(zone, rim->x, rim->y) < reach;

@@ -216,6 +216,7 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
     notes->noise = median_noise(&rims);
     notes->window_px = state.window;
     notes->correlation = state.correlation;
+    notes->texture = state.texture;
     notes->ellipses = state.ellipse;
     status = fill_table(&notes->zone, &state, &rims, grains);
 done:

@@ -29,6 +29,7 @@ struct find_notes {
     double radius_min_px, radius_max_px; /* that were looked for */
     double blur_px;                      /* Gaussian: point spread and pixel together */
     double noise;                        /* grey levels: median residual at the rims, texture included */
+    double texture;                      /* of the grains at the rims, in units of the noise */
     double window_px;                    /* half width of the fitted band */
     double correlation;                  /* factor on standard errors: neighbouring sectors err alike */
     int ellipses;                        /* were fitted */

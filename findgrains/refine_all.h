@@ -14,6 +14,7 @@ struct rims_state {
     double blur, window, sector;           /* px */
     double least_step;                     /* grey levels */
     double void_level, void_spread, noise; /* grey levels */
+    double texture;                        /* in units of the noise */
     double correlation;                    /* factor on the standard errors */
     int ellipse;
 };

@@ -10,18 +10,19 @@
 #include <string.h>
 
 enum { TERMS = 5, ROUNDS = 8, LAGS = 8 };
-#define TUKEY 4.685
 #define MAD_TO_SD 1.4826
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
 #define CHANCE 0.5
+#define MOST_TRUST 1.5
 
 struct fit {
     struct sector *sectors; /* all of them, used or not */
     int count, used, terms;
     double *variance; /* formal, per sector */
+    double *trust;    /* step over the grain's median step: see set_variances() */
     double *row;      /* TERMS per sector */
     double *residual, *scratch;
-    double tau2;
+    double tau2, tukey;
     double parameters[TERMS], covariance[TERMS][TERMS];
 };
 
@@ -39,16 +40,17 @@ static double median_of(double *values, int count)
     return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
 }
 
-static int fit_alloc(struct fit *fit, const struct edge_work *work, int ellipse)
+static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey, int ellipse)
 {
     size_t n = (size_t)work->count;
-    *fit = (struct fit){.sectors = work->sectors, .count = work->count, .terms = ellipse ? 5 : 3};
-    fit->variance = malloc(n * (TERMS + 3) * sizeof *fit->variance);
+    *fit = (struct fit){.sectors = work->sectors, .count = work->count, .tukey = tukey, .terms = ellipse ? 5 : 3};
+    fit->variance = malloc(n * (TERMS + 4) * sizeof *fit->variance);
     if (!fit->variance)
         return error_memory("rim fit");
     fit->row = fit->variance + n;
     fit->residual = fit->row + n * TERMS;
     fit->scratch = fit->residual + n;
+    fit->trust = fit->scratch + n;
     for (int k = 0; k < fit->count; k++) {
         double *row = fit->row + (size_t)k * TERMS, theta = fit->sectors[k].theta;
         row[0] = 1;
@@ -61,21 +63,28 @@ static int fit_alloc(struct fit *fit, const struct edge_work *work, int ellipse)
     return 0;
 }
 
-static double median_residual(struct fit *fit)
+static double median_over(struct fit *fit, size_t member)
 {
     int n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->sectors[k].residual;
+            fit->scratch[n++] = *(const double *)(const void *)((const char *)&fit->sectors[k] + member);
     return median_of(fit->scratch, n);
 }
 
-/* Formal variances: the grain's own median noise, more where a sector's residual is larger than that. */
+/* Formal variances: the grain's own median noise, more where a sector's residual is larger than that, and the grain's
+ * median step. A shift is a quotient a / step whose parts err together (a dark speck lowers the step and seems to move
+ * the rim); weights in proportion to the step make of the mean of quotients a quotient of sums, which does not lean. */
 static double set_variances(struct fit *fit)
 {
-    double noise2 = fmax(median_residual(fit), 1e-12);
-    for (int k = 0; k < fit->count; k++)
-        fit->variance[k] = fit->sectors[k].variance * fmax(noise2, fit->sectors[k].residual);
+    double noise2 = fmax(median_over(fit, offsetof(struct sector, residual)), 1e-12);
+    double step = median_over(fit, offsetof(struct sector, step));
+    for (int k = 0; k < fit->count; k++) {
+        const struct sector *sector = &fit->sectors[k];
+        double share = sector->used ? sector->step / step : 1;
+        fit->variance[k] = sector->variance * share * share * fmax(noise2, sector->residual);
+        fit->trust[k] = fmin(share, MOST_TRUST);
+    }
     return sqrt(noise2);
 }
 
@@ -107,15 +116,15 @@ static int invert(int n, double m[TERMS][TERMS], double inverse[TERMS][TERMS])
     return 1;
 }
 
-static double tukey_weight(double t)
+static double tukey_weight(double t, double tukey)
 {
-    double q = t / TUKEY;
+    double q = t / tukey;
     return fabs(q) < 1 ? (1 - q * q) * (1 - q * q) : 0;
 }
 
-static double tukey_slope(double t)
+static double tukey_slope(double t, double tukey)
 {
-    double q = t / TUKEY, q2 = q * q;
+    double q = t / tukey, q2 = q * q;
     return q2 < 1 ? (1 - q2) * (1 - 5 * q2) : 0;
 }
 
@@ -125,9 +134,9 @@ static int weighted_step(struct fit *fit, int robust)
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
-        double total = fit->variance[k] + fit->tau2, weight = 1 / total;
+        double total = fit->variance[k] + fit->tau2, weight = fit->trust[k] / total;
         if (robust)
-            weight *= tukey_weight(fit->residual[k] / sqrt(total));
+            weight *= tukey_weight(fit->residual[k] / sqrt(total), fit->tukey);
         const double *row = fit->row + (size_t)k * TERMS;
         for (int i = 0; i < fit->terms; i++) {
             right[i] += weight * row[i] * fit->sectors[k].shift;
@@ -179,7 +188,8 @@ static int set_covariance(struct fit *fit)
         if (!fit->sectors[k].used)
             continue;
         double total = fit->variance[k] + fit->tau2, t = fit->residual[k] / sqrt(total);
-        double psi = t * tukey_weight(t), d = tukey_slope(t) / total, e = psi * psi / total;
+        double psi = t * tukey_weight(t, fit->tukey), trust = fit->trust[k];
+        double d = trust * tukey_slope(t, fit->tukey) / total, e = trust * trust * psi * psi / total;
         const double *row = fit->row + (size_t)k * TERMS;
         for (int i = 0; i < fit->terms; i++)
             for (int j = 0; j < fit->terms; j++) {
@@ -211,7 +221,7 @@ static void add_lags(const struct fit *fit, struct refined *refined)
                 continue;
             double a = fit->residual[k] / sqrt(fit->variance[k] + fit->tau2);
             double b = fit->residual[other] / sqrt(fit->variance[other] + fit->tau2);
-            refined->lag[lag] += a * tukey_weight(a) * b * tukey_weight(b);
+            refined->lag[lag] += a * tukey_weight(a, fit->tukey) * b * tukey_weight(b, fit->tukey);
             refined->lag_count[lag] += 1;
         }
 }
@@ -224,7 +234,7 @@ static void describe(struct fit *fit, struct refined *refined)
         hidden += sector->hidden;
         if (!sector->used)
             continue;
-        near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2)) > 0;
+        near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
         fit->scratch[n++] = sector->blur_error;
     }
     refined->blur_error = median_of(fit->scratch, n);
@@ -279,7 +289,8 @@ int refine_circle(const struct photo *photo, const struct zone *zone, const stru
     struct rim rim = refined->rim;
     *refined = (struct refined){.rim = rim, .s_x = NAN, .s_y = NAN, .s_radius = NAN, .s_shape = NAN};
     struct fit fit;
-    if (edge_fit(photo, zone, &rim, others, other_count, settings, work) || fit_alloc(&fit, work, ellipse))
+    if (edge_fit(photo, zone, &rim, others, other_count, settings, work) ||
+        fit_alloc(&fit, work, settings->tukey, ellipse))
         return -1;
     if (fit.terms > 3 && fit.used < 2 * fit.terms)
         fit.terms = 3;

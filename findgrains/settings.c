@@ -71,6 +71,7 @@ char *settings_print_notes(const struct find_notes *notes)
     add_number(object, "radius_max_px", notes->radius_max_px);
     add_number(object, "blur_px", notes->blur_px);
     add_number(object, "noise", notes->noise);
+    add_number(object, "texture", notes->texture);
     add_number(object, "window_px", notes->window_px);
     add_number(object, "correlation", notes->correlation);
     cJSON_AddBoolToObject(object, "ellipses", notes->ellipses);

@@ -19,7 +19,8 @@ static struct edge_settings settings_for(double blur, double window)
                                   .void_level = VOID,
                                   .void_spread = 15000,
                                   .noise = 900,
-                                  .damping = 1};
+                                  .damping = 1,
+                                  .tukey = 4.685};
 }
 
 /* Fit one disc from a start that is off; returns the refined rim. */

@@ -1,0 +1,23 @@
+#include "findgrains/edge_profile.h"
+
+#include <math.h>
+
+struct profile profile_table[2 * PROFILE_REACH * PROFILE_PER_UNIT + 2];
+
+static double below(double t)
+{
+    return 0.5 * erfc(t * M_SQRT1_2);
+}
+
+void profile_prepare(void)
+{
+    static int ready;
+    if (ready)
+        return;
+    for (int k = 0; k < 2 * PROFILE_REACH * PROFILE_PER_UNIT + 2; k++) {
+        double t = (double)k / PROFILE_PER_UNIT - PROFILE_REACH;
+        double step = below(t), near = below(t + PROFILE_NEAR), deep = below(t + PROFILE_DEEP);
+        profile_table[k] = (struct profile){step, 0.3989422804014327 * exp(-0.5 * t * t), step - near, near - deep};
+    }
+    ready = 1;
+}
