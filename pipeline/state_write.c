@@ -331,9 +331,10 @@ static int write_provenance(struct state_writer *writer, const struct provenance
 static hid_t create_hdf(const char *path)
 {
     hid_t creation = without_times(H5P_FILE_CREATE), access = H5Pcreate(H5P_FILE_ACCESS), hdf = -1;
-    /* Small index nodes (8 entries): a column is one chunk or few, and the default of 64 doubles a small file. */
-    if (creation >= 0 && access >= 0 && H5Pset_istore_k(creation, 4) >= 0 &&
-        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
+    /* The format of HDF5 1.10 puts a checksum on every piece of metadata (the older ones on none or few), so that a
+     * damaged file is refused instead of misread; and its index of a column in one chunk takes no room. */
+    if (creation >= 0 && access >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+        H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
         hdf = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
     if (creation >= 0)
         H5Pclose(creation);
