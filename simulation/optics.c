@@ -1,5 +1,8 @@
 #include "simulation/optics.h"
 
+#include <stdlib.h>
+
+#include "pipeline/error.h"
 #include "pipeline/random.h"
 
 static int read_range(const struct json *json, const cJSON *object, const char *key, double min, double max,
@@ -95,9 +98,60 @@ static int read_bevel(const struct json *json, const cJSON *grain, struct optics
     return 0;
 }
 
+static int read_line(const struct json *json, const cJSON *grain, struct optics *optics)
+{
+    static const char *const keys[] = {"share", "width_px", "level", NULL};
+    const cJSON *line = NULL;
+    int there = json_object(json, grain, "lines", &line);
+    if (there < 1)
+        return there;
+    if (json_check_keys(json, line, keys) || json_number(json, line, "share", 0, 1, &optics->line_share) < 0 ||
+        json_number(json, line, "width_px", 0.1, 100, &optics->line_width) < 0 ||
+        json_number(json, line, "level", 0, 2, &optics->line_level) < 0)
+        return -1;
+    return 0;
+}
+
+static int read_flank(const struct json *json, const cJSON *grain, struct optics *optics)
+{
+    static const char *const keys[] = {"parallax", "level", NULL};
+    const cJSON *flank = NULL;
+    int there = json_object(json, grain, "flank", &flank);
+    if (there < 1)
+        return there;
+    if (json_check_keys(json, flank, keys) || json_number(json, flank, "parallax", 0, 0.2, &optics->parallax) < 0 ||
+        json_number(json, flank, "level", 0, 2, &optics->flank_level) < 0)
+        return -1;
+    return 0;
+}
+
+static int read_labels(const struct json *json, const cJSON *section, struct optics *optics)
+{
+    const cJSON *list = NULL, *item;
+    int there = json_array(json, section, "labels_px", &list);
+    if (there < 1)
+        return there;
+    optics->labels = calloc((size_t)cJSON_GetArraySize(list) + 1, sizeof *optics->labels);
+    if (!optics->labels)
+        return error_memory("labels");
+    cJSON_ArrayForEach(item, list)
+    {
+        double side[4];
+        for (int k = 0; k < 4; k++) {
+            const cJSON *number = cJSON_GetArrayItem(item, k);
+            if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != 4 || !cJSON_IsNumber(number))
+                return json_error(json, item, "a label is a rectangle [x0, y0, x1, y1]");
+            side[k] = number->valuedouble;
+        }
+        optics->labels[optics->label_count++] = (struct rect){side[0], side[1], side[2], side[3]};
+    }
+    return 0;
+}
+
 static int read_grain(const struct json *json, const cJSON *section, struct optics *optics)
 {
-    static const char *const keys[] = {"level", "spread", "paint", "rings", "bevel", "ellipticity", NULL};
+    static const char *const keys[] = {"level", "spread", "paint",       "rings", "bevel",
+                                       "lines", "flank",  "ellipticity", NULL};
     const cJSON *grain = NULL;
     int there = json_object(json, section, "grain", &grain);
     if (there < 1)
@@ -106,7 +160,10 @@ static int read_grain(const struct json *json, const cJSON *section, struct opti
         json_number(json, grain, "spread", 0, 0.5, &optics->grain.spread) < 0 ||
         json_number(json, grain, "ellipticity", 0, 0.2, &optics->ellipticity) < 0)
         return -1;
-    return read_rings(json, grain, optics) || read_bevel(json, grain, optics) ? -1 : 0;
+    return read_rings(json, grain, optics) || read_bevel(json, grain, optics) || read_line(json, grain, optics) ||
+                   read_flank(json, grain, optics)
+               ? -1
+               : 0;
 }
 
 static int read_noise(const struct json *json, const cJSON *section, struct optics *optics)
@@ -168,26 +225,42 @@ struct view optics_view(const struct optics *optics, long index, long reference)
                          .brightness = 1 + wander->brightness * random_normal(key, 5)};
 }
 
-int optics_read(const struct scene *scene, struct optics *optics)
+void optics_free(struct optics *optics)
 {
-    static const char *const keys[] = {"seed",           "psf_px", "bits",   "noise", "exposure", "shading",
-                                       "frame_width_px", "camera", "grain",  "void",  "frame",    "outside",
-                                       "hinge",          "paper",  "marker", NULL};
-    *optics = (struct optics)OPTICS_DEFAULT;
-    const cJSON *section = scene_section(scene, "optics");
-    if (!section)
-        return 0;
-    if (json_check_keys(scene->json, section, keys) || read_numbers(scene->json, section, optics) ||
-        read_noise(scene->json, section, optics) < 0 || read_camera(scene->json, section, &optics->wander) < 0 ||
-        read_grain(scene->json, section, optics) < 0)
-        return -1;
+    free(optics->labels);
+    optics->labels = NULL;
+    optics->label_count = 0;
+}
+
+static int read_plains(const struct json *json, const cJSON *section, struct optics *optics)
+{
     struct {
         const char *name;
         struct surface *surface;
     } plain[] = {{"void", &optics->hollow}, {"frame", &optics->frame}, {"outside", &optics->outside},
-                 {"hinge", &optics->hinge}, {"paper", &optics->paper}, {"marker", &optics->marker}};
+                 {"hinge", &optics->hinge}, {"paper", &optics->paper}, {"marker", &optics->marker},
+                 {"label", &optics->label}};
     for (size_t k = 0; k < sizeof plain / sizeof *plain; k++)
-        if (read_plain(scene->json, section, plain[k].name, plain[k].surface) < 0)
+        if (read_plain(json, section, plain[k].name, plain[k].surface) < 0)
             return -1;
     return 0;
+}
+
+int optics_read(const struct scene *scene, struct optics *optics)
+{
+    static const char *const keys[] = {"seed",           "psf_px", "bits",   "noise", "exposure",  "shading",
+                                       "frame_width_px", "camera", "grain",  "void",  "frame",     "outside",
+                                       "hinge",          "paper",  "marker", "label", "labels_px", NULL};
+    *optics = (struct optics)OPTICS_DEFAULT;
+    const struct json *json = scene->json;
+    const cJSON *section = scene_section(scene, "optics");
+    if (!section)
+        return 0;
+    if (json_check_keys(json, section, keys) == 0 && read_numbers(json, section, optics) == 0 &&
+        read_noise(json, section, optics) == 0 && read_camera(json, section, &optics->wander) == 0 &&
+        read_grain(json, section, optics) == 0 && read_labels(json, section, optics) == 0 &&
+        read_plains(json, section, optics) == 0)
+        return 0;
+    optics_free(optics);
+    return -1;
 }

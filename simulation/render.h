@@ -17,8 +17,8 @@ struct disc {
     double x, y, radius; /* px */
 };
 
-/* A speckled rectangle: paper fixed beside the machine, or a marker on a wall. */
-enum plate_kind { PLATE_PAPER, PLATE_MARKER };
+/* A rectangle: speckled paper fixed beside the machine, a speckled marker on a wall, or a bright label. */
+enum plate_kind { PLATE_PAPER, PLATE_MARKER, PLATE_LABEL };
 struct plate {
     enum plate_kind kind;
     char name[NAME_LENGTH];     /* "paper", or the wall's */

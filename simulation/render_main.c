@@ -37,7 +37,7 @@ static int parse(int key, char *argument, struct argp_state *state)
 static int run(const struct options *options)
 {
     struct scene scene = {0};
-    struct optics optics;
+    struct optics optics = {0};
     struct packing packing = {0};
     struct photo photo = {0};
     struct photo_truth truth = {0};
@@ -57,6 +57,7 @@ done:
     photo_truth_free(&truth);
     photo_free(&photo);
     packing_free(&packing);
+    optics_free(&optics);
     scene_free(&scene);
     return status;
 }

@@ -107,33 +107,35 @@ static struct plate plate_of(enum plate_kind kind, const char *name, const struc
     return plate;
 }
 
-static int make_plates(const struct scene *scene, struct picture *picture, struct plate **plates)
+static int make_plates(const struct scene *scene, const struct optics *optics, struct picture *picture,
+                       struct plate **plates)
 {
-    size_t count = scene->drift_patch_count + scene->frame.marker_count;
-    *plates = calloc(count + 1, sizeof **plates);
+    size_t papers = scene->drift_patch_count, followed = papers + scene->frame.marker_count;
+    *plates = calloc(followed + optics->label_count + 1, sizeof **plates);
     if (!*plates)
-        return error_memory("paper and markers");
-    for (size_t k = 0; k < scene->drift_patch_count; k++)
+        return error_memory("paper, markers and labels");
+    for (size_t k = 0; k < papers; k++)
         (*plates)[k] = plate_of(PLATE_PAPER, "paper", &scene->drift_patches[k]);
-    for (size_t k = 0; k < scene->frame.marker_count; k++) {
-        const struct scene_marker *marker = &scene->frame.markers[k];
-        struct plate *plate = &(*plates)[scene->drift_patch_count + k];
-        *plate = plate_of(PLATE_MARKER, marker->wall, &marker->rect);
-        move_marker(scene, picture->corners, plate);
+    for (size_t k = papers; k < followed; k++) {
+        const struct scene_marker *marker = &scene->frame.markers[k - papers];
+        (*plates)[k] = plate_of(PLATE_MARKER, marker->wall, &marker->rect);
+        move_marker(scene, picture->corners, &(*plates)[k]);
     }
+    for (size_t k = 0; k < optics->label_count; k++)
+        (*plates)[followed + k] = plate_of(PLATE_LABEL, "label", &optics->labels[k]);
     picture->plates = *plates;
-    picture->plate_count = count;
+    picture->plate_count = followed + optics->label_count;
     return 0;
 }
 
 /* Where the plates are: paper as the camera sees it, markers without the camera's motion. */
-static int describe_plates(const struct picture *picture, struct patches *patches)
+static int describe_plates(const struct picture *picture, size_t followed, struct patches *patches)
 {
     static const char *const columns[] = {"kind", "name", "x_px", "y_px", "dx_px", "dy_px", "angle", "flags", NULL};
     struct camera camera = picture_camera(picture);
-    if (table_alloc(&PATCHES, patches, picture->plate_count, columns))
+    if (table_alloc(&PATCHES, patches, followed, columns))
         return -1;
-    for (size_t k = 0; k < picture->plate_count; k++) {
+    for (size_t k = 0; k < followed; k++) {
         const struct plate *plate = &picture->plates[k];
         struct vec at = vec(plate->x, plate->y);
         double zoom = 1, turn = 0;
@@ -183,7 +185,10 @@ int picture_of(const struct packing *packing, const struct optics *optics, const
     truth->view = picture->view;
     set_frame(packing, scene, picture);
     describe_seen(picture, &truth->grains);
-    return make_plates(scene, picture, plates) || describe_plates(picture, &truth->patches) ? -1 : 0;
+    return make_plates(scene, optics, picture, plates) ||
+                   describe_plates(picture, scene->drift_patch_count + scene->frame.marker_count, &truth->patches)
+               ? -1
+               : 0;
 }
 
 /* ---- contacts of the faces ---- */

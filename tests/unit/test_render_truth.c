@@ -309,8 +309,12 @@ static void test_optics_section(void **state)
     struct optics optics;
     check_done(read_optics(
         "{\"seed\": 5, \"psf_px\": 1.1, \"noise\": {\"read\": 0.01}, \"grain\": {\"level\": 0.4, \"paint\": "
-        "[{\"radius_px\": [1, 2], \"coverage\": 0.3, \"level\": [0.1, 0.2]}], \"ellipticity\": 0.01}}",
+        "[{\"radius_px\": [1, 2], \"coverage\": 0.3, \"level\": [0.1, 0.2]}], \"ellipticity\": 0.01}, \"labels_px\": "
+        "[[1, 2, 3, 4]]}",
         &optics));
+    assert_int_equal(optics.label_count, 1);
+    check_near(optics.labels[0].y1, 4, 0);
+    optics_free(&optics);
     check_near(optics.psf, 1.1, 0);
     assert_int_equal(optics.grain.paint_count, 1);
     check_near(optics.grain.paint[0].level_max, 0.2, 0);
@@ -322,6 +326,8 @@ static void test_optics_section(void **state)
         "{\"grain\": {\"paint\": [{\"radius_px\": [2, 1], \"coverage\": 0.3, \"level\": [0.1, 0.2]}]}}",
         "{\"grain\": {\"paint\": [{\"radius_px\": [1, 2], \"coverage\": 1.0, \"level\": [0.1, 0.2]}]}}",
         "{\"grain\": {\"paint\": [{\"radius_px\": [1, 2], \"coverage\": 0.5}]}}",
+        "{\"labels_px\": [[1, 2, 3]]}",
+        "{\"labels_px\": [[1, 2, 3]]}",
         "{\"grain\": {\"rings\": {\"contrast\": 0.5}}}",
         "{\"camera\": {\"shift\": 1}}",
         "{\"seed\": -1}"};
