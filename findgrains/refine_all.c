@@ -10,7 +10,7 @@ enum { SAMPLE = 160, NEIGHBOURS = 64, LAGS = 8 };
 /* 95 % efficient for normal errors; narrower where specks make outliers. */
 #define TUKEY_PLAIN 4.685
 #define TUKEY_TEXTURED 3.5
-#define CLEARLY 0.97   /* more texture has to pay by this factor: it costs some bias */
+#define CLEARLY 0.93   /* more texture has to pay by this factor: it costs some bias */
 #define LEAST_BLUR 0.5 /* px: a sharper photo is undersampled, and steps of the fit would overshoot */
 #define MOST_BLUR 8.0
 

@@ -176,7 +176,8 @@ static double set_scatter(struct fit *fit)
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
             fit->scratch[n++] = fit->variance[k];
-    fit->tau2 = fmax(0, scatter * scatter - median_of(fit->scratch, n));
+    /* The floor keeps a few sectors with a small formal variance from ruling the fit. */
+    fit->tau2 = fmax(0.25 * scatter * scatter, scatter * scatter - median_of(fit->scratch, n));
     return scatter;
 }
 
