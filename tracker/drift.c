@@ -1,7 +1,6 @@
 #include "tracker/drift.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { ZOOM, TURN, TX, TY, UNKNOWNS };
 static const double smallest_error = 1e-5; /* px: no patch weighs more than this allows */
@@ -33,15 +32,12 @@ struct rows {
     double row[3][UNKNOWNS], value[3], weight[3];
 };
 
-static struct rows rows_of(const struct camera *camera, const struct target *patch, const struct outcome *outcome)
+static struct rows rows_of(const struct camera *camera, const struct corrected *patch)
 {
-    double x = patch->shape.cx - camera->cx, y = patch->shape.cy - camera->cy;
-    const struct fit *fit = &outcome->fit;
-    double least = smallest_error * smallest_error, rim = patch->shape.radius;
+    double x = patch->x_ref - camera->cx, y = patch->y_ref - camera->cy, least = smallest_error * smallest_error;
     return (struct rows){{{x, y, 1, 0}, {y, -x, 0, 1}, {0, 1, 0, 0}},
-                         {fit->motion.u, fit->motion.v, fit->motion.angle},
-                         {1 / (fit->covariance[0][0] + least), 1 / (fit->covariance[1][1] + least),
-                          1 / (fit->covariance[2][2] + least / (rim * rim))}};
+                         {patch->x - patch->x_ref, patch->y - patch->y_ref, patch->angle},
+                         {1 / (patch->xx + least), 1 / (patch->yy + least), 1 / (patch->aa + 1e-4 * least)}};
 }
 
 static void accumulate(const struct rows *rows, double normal[UNKNOWNS][UNKNOWNS], double right[UNKNOWNS])
@@ -66,42 +62,52 @@ static double misfit(const struct rows *rows, const double p[UNKNOWNS])
     return sum;
 }
 
-struct camera camera_fit(const struct target *patches, const struct outcome *outcomes, size_t count)
+/* Without a second patch the zoom stays as it is. */
+static void freeze_zoom(double normal[UNKNOWNS][UNKNOWNS])
+{
+    for (int i = 0; i < UNKNOWNS; i++)
+        normal[ZOOM][i] = normal[i][ZOOM] = 0;
+}
+
+static int find_centre(const struct corrected *patches, const int *good, size_t count, struct camera *camera)
+{
+    int used = 0;
+    for (size_t k = 0; k < count; k++)
+        if (good[k]) {
+            camera->cx += patches[k].x_ref;
+            camera->cy += patches[k].y_ref;
+            used++;
+        }
+    if (used) {
+        camera->cx /= used;
+        camera->cy /= used;
+    }
+    return used;
+}
+
+struct camera camera_fit(const struct corrected *patches, const int *good, size_t count)
 {
     struct camera camera = {0};
     double right[UNKNOWNS] = {0}, square = 0;
-    int good = 0;
+    int used = find_centre(patches, good, count, &camera), first = used > 1 ? ZOOM : TURN;
     for (size_t k = 0; k < count; k++)
-        if (outcomes[k].found == 2) {
-            camera.cx += patches[k].shape.cx;
-            camera.cy += patches[k].shape.cy;
-            good++;
-        }
-    if (!good)
-        return camera;
-    camera.cx /= good;
-    camera.cy /= good;
-    for (size_t k = 0; k < count; k++)
-        if (outcomes[k].found == 2) {
-            struct rows rows = rows_of(&camera, &patches[k], &outcomes[k]);
+        if (good[k]) {
+            struct rows rows = rows_of(&camera, &patches[k]);
             accumulate(&rows, camera.covariance, right);
         }
-    int first = good > 1 ? ZOOM : TURN;
     if (first == TURN)
-        memset(camera.covariance[ZOOM], 0, sizeof camera.covariance[ZOOM]);
-    for (int i = 0; first == TURN && i < UNKNOWNS; i++)
-        camera.covariance[i][ZOOM] = 0;
-    if (!invert(camera.covariance, first))
+        freeze_zoom(camera.covariance);
+    if (!used || !invert(camera.covariance, first))
         return camera;
     for (int i = first; i < UNKNOWNS; i++)
         for (int j = first; j < UNKNOWNS; j++)
             camera.p[i] += camera.covariance[i][j] * right[j];
     for (size_t k = 0; k < count; k++)
-        if (outcomes[k].found == 2) {
-            struct rows rows = rows_of(&camera, &patches[k], &outcomes[k]);
+        if (good[k]) {
+            struct rows rows = rows_of(&camera, &patches[k]);
             square += misfit(&rows, camera.p);
         }
-    int freedom = 3 * good - (UNKNOWNS - first);
+    int freedom = 3 * used - (UNKNOWNS - first);
     double widen = freedom > 0 ? fmax(1, square / freedom) : 1;
     for (int i = 0; i < UNKNOWNS; i++)
         for (int j = 0; j < UNKNOWNS; j++)

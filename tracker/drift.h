@@ -3,9 +3,12 @@
 #ifndef TRACKER_DRIFT_H
 #define TRACKER_DRIFT_H
 
-#include "tracker/target.h"
+#include <stddef.h>
 
-/* seen = centre + t + (1 + zoom, turn; -turn, 1 + zoom) (corrected - centre): the direction is corrected -> seen. */
+#include "tracker/correct.h"
+
+/* moved = centre + t + (1 + zoom, turn; -turn, 1 + zoom) (corrected - centre): the direction is corrected -> moved;
+ * what is seen is that through the lens. */
 struct camera {
     int known;     /* 0: every patch was lost; nothing can be corrected */
     double cx, cy; /* px */
@@ -17,11 +20,11 @@ struct camera {
         .known = 1                                                                                                     \
     }
 
-/* From the outcomes of `count` patches; those that are not good are left out. One patch gives translation and
+/* From `count` patches with the lens undone; those that are not good are left out. One patch gives translation and
  * rotation, two or more the zoom too. The covariance is widened when the patches disagree by more than their errors. */
-struct camera camera_fit(const struct target *patches, const struct outcome *outcomes, size_t count);
+struct camera camera_fit(const struct corrected *patches, const int *good, size_t count);
 
-/* Undo the camera's motion at a place and angle as seen. */
+/* Undo the camera's motion at a place and angle. */
 void camera_undo(const struct camera *camera, double *x, double *y, double *angle);
 /* Variance that it adds to a position there (x, y) and to an angle. */
 void camera_variance(const struct camera *camera, double x, double y, double *xx, double *yy, double *angle);

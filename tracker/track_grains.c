@@ -313,6 +313,45 @@ static void follow_free(struct follow *follow)
     free(follow->outcomes);
 }
 
+/* The camera's motion from the paper; fixed when the scene has none. */
+static int find_camera(const struct follow *follow, struct camera *camera)
+{
+    const struct tracker *tracker = follow->tracker;
+    const size_t count = tracker->options.drift_count;
+    *camera = (struct camera)CAMERA_FIXED;
+    if (!count)
+        return 0;
+    struct corrected *patches = calloc(count, sizeof *patches);
+    int *good = calloc(count, sizeof *good);
+    for (size_t k = 0; patches && good && k < count; k++) {
+        patches[k] = correct_lens(tracker->options.lens, &tracker->targets[k].shape, &follow->outcomes[k].fit);
+        good[k] = follow->outcomes[k].found == 2;
+    }
+    int status = patches && good ? 0 : error_memory("the patches of paper");
+    if (!status)
+        *camera = camera_fit(patches, good, count);
+    free(patches);
+    free(good);
+    return status;
+}
+
+static int write_down(const struct follow *follow, const struct photo_grains *previous, struct tracks *tracks)
+{
+    const struct tracker *tracker = follow->tracker;
+    const struct tracker_options *options = &tracker->options;
+    struct camera camera;
+    int status = find_camera(follow, &camera);
+    if (!status)
+        status = tracks_of_grains(tracker->grains, tracker->targets + tracker->patch_count,
+                                  follow->outcomes + tracker->patch_count, options->lens, &camera, previous,
+                                  &tracks->grains);
+    if (!status)
+        status = tracks_of_patches(options, tracker->targets, follow->outcomes, &camera, &tracks->patches);
+    if (status)
+        tracks_free(tracks);
+    return status;
+}
+
 int tracker_follow(struct tracker *tracker, const struct photo *photo, const struct photo_grains *previous,
                    struct tracks *tracks)
 {
@@ -336,17 +375,8 @@ int tracker_follow(struct tracker *tracker, const struct photo *photo, const str
         consistency_check(tracker->targets + tracker->patch_count, tracker->grains->radius_px, tracker->nearest,
                           follow.outcomes + tracker->patch_count, tracker->grains->count);
     }
-    if (!status) {
-        struct camera camera = CAMERA_FIXED;
-        if (tracker->options.drift_count)
-            camera = camera_fit(tracker->targets, follow.outcomes, tracker->options.drift_count);
-        status = tracks_of_grains(tracker->grains, tracker->targets + tracker->patch_count,
-                                  follow.outcomes + tracker->patch_count, &camera, previous, &tracks->grains);
-        if (!status)
-            status = tracks_of_patches(&tracker->options, tracker->targets, follow.outcomes, &camera, &tracks->patches);
-        if (status)
-            tracks_free(tracks);
-    }
+    if (!status)
+        status = write_down(&follow, previous, tracks);
     follow_free(&follow);
     return status;
 }

@@ -4,6 +4,7 @@
 #define TRACKER_TRACK_GRAINS_H
 
 #include "pipeline/grains.h"
+#include "pipeline/lens.h"
 #include "pipeline/patches.h"
 #include "pipeline/photo.h"
 #include "pipeline/scene.h"
@@ -16,7 +17,8 @@ struct tracker_options {
     size_t drift_count;
     const struct scene_marker *markers; /* speckled marks on walls; borrowed */
     size_t marker_count;
-    int keep; /* keep the subsets of the reference for the next photo: 16 bytes per pixel */
+    const struct lens *lens; /* NULL: none; borrowed */
+    int keep;                /* keep the subsets of the reference for the next photo: 16 bytes per pixel */
 };
 #define TRACKER_SUBSET 0.8
 #define TRACKER_SEARCH_PX 64

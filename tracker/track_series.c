@@ -15,6 +15,7 @@ struct series {
     const struct scene *scene;
     const struct series_paths *paths;
     struct tracker_options options;
+    struct lens lens;
     char *parameters;
     struct photo reference;
     struct photo_grains grains, previous;
@@ -49,6 +50,11 @@ static int series_open(struct series *series)
     struct photo_request request = scene_photo_request(series->scene);
     if (tracker_options_read(series->scene, &series->options))
         return -1;
+    if (series->scene->lens) {
+        if (lens_read(series->scene->lens, &series->lens))
+            return -1;
+        series->options.lens = &series->lens;
+    }
     series->options.keep = paths->photo_count > 1;
     series->parameters = tracker_options_print(&series->options);
     if (!series->parameters || read_grains(paths->grains, "seen", circle, &series->grains) ||
@@ -78,12 +84,17 @@ static void series_close(struct series *series)
 static int write_tracks(const struct series *series, const char *photo, const char *previous, const char *path,
                         const struct tracks *tracks)
 {
-    const char *inputs[4] = {series->paths->grains, series->paths->reference, photo, previous};
+    const char *inputs[5] = {series->paths->grains, series->paths->reference, photo};
+    size_t input_count = 3;
+    if (series->scene->lens)
+        inputs[input_count++] = series->scene->lens;
+    if (previous)
+        inputs[input_count++] = previous;
     struct provenance provenance = PROVENANCE_DEFAULT;
     provenance.stage = "tracker";
     provenance.parameters = series->parameters;
     provenance.input_paths = inputs;
-    provenance.input_count = previous ? 4 : 3;
+    provenance.input_count = input_count;
     provenance.index = scene_photo_index(series->scene, photo);
     provenance.time_s = scene_time(series->scene, provenance.index);
     provenance.coordinates = "corrected";

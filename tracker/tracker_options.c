@@ -12,9 +12,6 @@ int tracker_options_read(const struct scene *scene, struct tracker_options *opti
                     json_number(scene->json, section, "search_px", 0, 2000, &options->search_px) < 0 ||
                     json_number(scene->json, section, "search_deg", 0, 180, &options->search_deg) < 0))
         return -1;
-    if (scene->lens)
-        return error_input("%s: 'lens': this version of the tracker does not undo a lens yet: take the key out",
-                           scene->path);
     options->drift = scene->drift_patches;
     options->drift_count = scene->drift_patch_count;
     options->markers = scene->frame.markers;
@@ -26,6 +23,15 @@ static void add_rect(cJSON *list, const struct rect *rect)
 {
     const double sides[4] = {rect->x0, rect->y0, rect->x1, rect->y1};
     cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(sides, 4));
+}
+
+static void add_lens(cJSON *root, const struct lens *lens)
+{
+    const double centre[2] = {lens->centre.x, lens->centre.y};
+    cJSON *object = cJSON_AddObjectToObject(root, "lens");
+    cJSON_AddItemToObject(object, "centre_px", cJSON_CreateDoubleArray(centre, 2));
+    cJSON_AddItemToObject(object, "K", cJSON_CreateDoubleArray(lens->k, 3));
+    cJSON_AddItemToObject(object, "P", cJSON_CreateDoubleArray(lens->p, 3));
 }
 
 char *tracker_options_print(const struct tracker_options *options)
@@ -40,6 +46,8 @@ char *tracker_options_print(const struct tracker_options *options)
     cJSON *markers = cJSON_AddArrayToObject(root, "markers_px");
     for (size_t k = 0; k < options->marker_count; k++)
         add_rect(markers, &options->markers[k].rect);
+    if (options->lens)
+        add_lens(root, options->lens);
     char *text = json_print(root);
     if (!text)
         error_set(EXIT_FAILED, "out of memory: parameters: use a machine with more memory");

@@ -5,7 +5,7 @@
 
 #include "tracker/track_grains.h"
 
-/* The rectangles stay the scene's. */
+/* The rectangles stay the scene's; the lens, a file of its own, is not read here. */
 int tracker_options_read(const struct scene *scene, struct tracker_options *options);
 /* JSON text of what changes numbers, to be freed with free(). NULL: out of memory. */
 char *tracker_options_print(const struct tracker_options *options);

@@ -15,10 +15,10 @@ static int has_rival(const struct target *target, const struct outcome *outcome)
                                      fmax(0.25, 3 / sqrt(specks));
 }
 
-/* Too little texture: errors of half a pixel or half a degree would be within three standard errors. */
+/* Too little texture: errors of half a pixel or half a degree are within two standard errors. */
 static int is_vague(const struct fit *fit)
 {
-    const double shift = 0.5 / 3, turn = 0.5 / 3 * 3.141592653589793 / 180;
+    const double shift = 0.25, turn = 0.25 * 3.141592653589793 / 180;
     return fit->covariance[0][0] > shift * shift || fit->covariance[1][1] > shift * shift ||
            fit->covariance[2][2] > turn * turn;
 }
@@ -54,7 +54,7 @@ static uint32_t inherited(const struct photo_grains *grains, size_t k)
     return grains->flags ? grains->flags[k] : 0;
 }
 
-static int alloc_grains(const struct photo_grains *grains, struct photo_grains *tracks)
+static int alloc_grains(const struct photo_grains *grains, const struct lens *lens, struct photo_grains *tracks)
 {
     static const char *const names[] = {"x_px",     "y_px",     "radius_px",  "angle",      "s_x",
                                         "s_y",      "s_angle",  "zncc",       "iterations", "flags",
@@ -70,65 +70,71 @@ static int alloc_grains(const struct photo_grains *grains, struct photo_grains *
     for (size_t k = 0; k < sizeof optional / sizeof *optional; k++)
         if (optional[k].column && table_add(&PHOTO_GRAINS, tracks, optional[k].name))
             return -1;
-    return 0;
+    /* A lens shows circles as ellipses. */
+    return lens && (table_add(&PHOTO_GRAINS, tracks, "shape_c") || table_add(&PHOTO_GRAINS, tracks, "shape_s")) ? -1
+                                                                                                                : 0;
 }
 
 /* What belongs to the grain and not to the photo. */
-static void carry(const struct photo_grains *grains, size_t k, struct photo_grains *tracks)
+static void carry(const struct photo_grains *grains, const struct lens *lens, size_t k, struct photo_grains *tracks)
 {
-    tracks->x_ref_px[k] = grains->x_px[k];
-    tracks->y_ref_px[k] = grains->y_px[k];
-    tracks->radius_px[k] = grains->radius_px[k];
+    const double x = grains->x_px[k], y = grains->y_px[k], radius = grains->radius_px[k];
+    struct vec centre = lens ? lens_corrected(lens, vec(x, y)) : vec(x, y);
+    struct stretch stretch = correct_stretch(lens, x, y);
+    tracks->x_ref_px[k] = centre.x;
+    tracks->y_ref_px[k] = centre.y;
+    tracks->radius_px[k] = stretch.magnification * radius;
     if (grains->s_radius)
-        tracks->s_radius[k] = grains->s_radius[k];
-    if (grains->shape_c)
-        tracks->shape_c[k] = grains->shape_c[k];
-    if (grains->shape_s)
-        tracks->shape_s[k] = grains->shape_s[k];
+        tracks->s_radius[k] = stretch.magnification * grains->s_radius[k];
+    if (tracks->shape_c)
+        tracks->shape_c[k] = stretch.magnification * column_or_zero(grains->shape_c, k) + stretch.shape_c * radius;
+    if (tracks->shape_s)
+        tracks->shape_s[k] = stretch.magnification * column_or_zero(grains->shape_s, k) + stretch.shape_s * radius;
     if (grains->s_shape)
-        tracks->s_shape[k] = grains->s_shape[k];
+        tracks->s_shape[k] = stretch.magnification * grains->s_shape[k];
     if (grains->s_x)
-        tracks->s_x_ref[k] = grains->s_x[k];
+        tracks->s_x_ref[k] = stretch.magnification * grains->s_x[k];
     if (grains->s_y)
-        tracks->s_y_ref[k] = grains->s_y[k];
+        tracks->s_y_ref[k] = stretch.magnification * grains->s_y[k];
 }
 
-static void place(const struct photo_grains *grains, size_t k, const struct outcome *outcome,
+static void place(const struct target *target, size_t k, const struct outcome *outcome, const struct lens *lens,
                   const struct camera *camera, struct photo_grains *tracks)
 {
     const struct fit *fit = &outcome->fit;
-    double xx, yy, turn, x = grains->x_px[k] + fit->motion.u, y = grains->y_px[k] + fit->motion.v;
-    double angle = fit->motion.angle;
-    tracks->x_seen_px[k] = x;
-    tracks->y_seen_px[k] = y;
-    tracks->angle_seen[k] = angle;
+    struct corrected body = correct_lens(lens, &target->shape, fit);
+    double xx, yy, turn;
+    tracks->x_seen_px[k] = target->shape.cx + fit->motion.u;
+    tracks->y_seen_px[k] = target->shape.cy + fit->motion.v;
+    tracks->angle_seen[k] = fit->motion.angle;
     tracks->zncc[k] = fit->zncc;
     tracks->iterations[k] = fit->iterations;
     if (!camera->known) {
         tracks->flags[k] |= GRAIN_LOST;
         return;
     }
-    camera_variance(camera, x, y, &xx, &yy, &turn);
-    camera_undo(camera, &x, &y, &angle);
-    tracks->x_px[k] = x;
-    tracks->y_px[k] = y;
-    tracks->angle[k] = angle;
-    tracks->s_x[k] = sqrt(fit->covariance[0][0] + xx);
-    tracks->s_y[k] = sqrt(fit->covariance[1][1] + yy);
-    tracks->s_angle[k] = sqrt(fit->covariance[2][2] + turn);
+    camera_variance(camera, body.x, body.y, &xx, &yy, &turn);
+    camera_undo(camera, &body.x, &body.y, &body.angle);
+    tracks->x_px[k] = body.x;
+    tracks->y_px[k] = body.y;
+    tracks->angle[k] = body.angle;
+    tracks->s_x[k] = sqrt(body.xx + xx);
+    tracks->s_y[k] = sqrt(body.yy + yy);
+    tracks->s_angle[k] = sqrt(body.aa + turn);
 }
 
 int tracks_of_grains(const struct photo_grains *grains, const struct target *targets, const struct outcome *outcomes,
-                     const struct camera *camera, const struct photo_grains *previous, struct photo_grains *tracks)
+                     const struct lens *lens, const struct camera *camera, const struct photo_grains *previous,
+                     struct photo_grains *tracks)
 {
-    if (alloc_grains(grains, tracks))
+    if (alloc_grains(grains, lens, tracks))
         return -1;
     for (size_t k = 0; k < grains->count; k++) {
         uint32_t flags = flags_of(&targets[k], &outcomes[k]);
-        carry(grains, k, tracks);
+        carry(grains, lens, k, tracks);
         tracks->flags[k] = flags | inherited(grains, k);
         if (!(flags & GRAIN_LOST))
-            place(grains, k, &outcomes[k], camera, tracks);
+            place(&targets[k], k, &outcomes[k], lens, camera, tracks);
         if (!previous)
             continue;
         tracks->dx_px[k] = tracks->x_px[k] - previous->x_px[k]; /* NaN when either was lost */
@@ -138,29 +144,29 @@ int tracks_of_grains(const struct photo_grains *grains, const struct target *tar
     return 0;
 }
 
-static void place_patch(const struct target *target, const struct outcome *outcome, const struct camera *camera,
-                        size_t row, struct patches *patches)
+/* `camera` NULL: a piece of paper, which shows the camera's motion itself. */
+static void place_patch(const struct target *target, const struct outcome *outcome, const struct lens *lens,
+                        const struct camera *camera, size_t row, struct patches *patches)
 {
-    const struct fit *fit = &outcome->fit;
-    double xx = 0, yy = 0, turn = 0, x = target->shape.cx + fit->motion.u, y = target->shape.cy + fit->motion.v;
-    double angle = fit->motion.angle;
-    patches->x_px[row] = x;
-    patches->y_px[row] = y;
-    patches->zncc[row] = fit->zncc;
+    struct corrected body = correct_lens(lens, &target->shape, &outcome->fit);
+    double xx = 0, yy = 0, turn = 0;
+    patches->x_px[row] = target->shape.cx + outcome->fit.motion.u;
+    patches->y_px[row] = target->shape.cy + outcome->fit.motion.v;
+    patches->zncc[row] = outcome->fit.zncc;
     if (camera && !camera->known) {
         patches->flags[row] |= GRAIN_LOST;
         return;
     }
     if (camera) {
-        camera_variance(camera, x, y, &xx, &yy, &turn);
-        camera_undo(camera, &x, &y, &angle);
+        camera_variance(camera, body.x, body.y, &xx, &yy, &turn);
+        camera_undo(camera, &body.x, &body.y, &body.angle);
     }
-    patches->dx_px[row] = x - target->shape.cx;
-    patches->dy_px[row] = y - target->shape.cy;
-    patches->angle[row] = angle;
-    patches->s_x[row] = sqrt(fit->covariance[0][0] + xx);
-    patches->s_y[row] = sqrt(fit->covariance[1][1] + yy);
-    patches->s_angle[row] = sqrt(fit->covariance[2][2] + turn);
+    patches->dx_px[row] = body.x - body.x_ref;
+    patches->dy_px[row] = body.y - body.y_ref;
+    patches->angle[row] = body.angle;
+    patches->s_x[row] = sqrt(body.xx + xx);
+    patches->s_y[row] = sqrt(body.yy + yy);
+    patches->s_angle[row] = sqrt(body.aa + turn);
 }
 
 int tracks_of_patches(const struct tracker_options *options, const struct target *targets,
@@ -175,7 +181,7 @@ int tracks_of_patches(const struct tracker_options *options, const struct target
         snprintf(patches->name[k], NAME_LENGTH, "%s", wall ? options->markers[k - options->drift_count].wall : "paper");
         patches->flags[k] = flags_of(&targets[k], &outcomes[k]);
         if (!(patches->flags[k] & GRAIN_LOST))
-            place_patch(&targets[k], &outcomes[k], wall ? camera : NULL, k, patches);
+            place_patch(&targets[k], &outcomes[k], options->lens, wall ? camera : NULL, k, patches);
     }
     return 0;
 }

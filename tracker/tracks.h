@@ -3,11 +3,13 @@
 #define TRACKER_TRACKS_H
 
 #include "tracker/drift.h"
+#include "tracker/target.h"
 #include "tracker/track_grains.h"
 
 /* `grains` of the reference, one target and one outcome per row. */
 int tracks_of_grains(const struct photo_grains *grains, const struct target *targets, const struct outcome *outcomes,
-                     const struct camera *camera, const struct photo_grains *previous, struct photo_grains *tracks);
+                     const struct lens *lens, const struct camera *camera, const struct photo_grains *previous,
+                     struct photo_grains *tracks);
 /* Drift patches first, then the markers of the walls. */
 int tracks_of_patches(const struct tracker_options *options, const struct target *targets,
                       const struct outcome *outcomes, const struct camera *camera, struct patches *patches);
