@@ -71,6 +71,34 @@ static void a_whole_section_is_read(void **state)
     scene_free(&scene);
 }
 
+static void discs_and_tests_are_read(void **state)
+{
+    (void)state;
+    struct scene scene = {0};
+    struct simulation_plan plan = {0};
+    check_done(
+        read_section("{\"discs\": [{\"x_m\": 1, \"y_m\": 2, \"radius_m\": 0.5, \"fixed\": true},\n"
+                     " {\"x_m\": 3, \"y_m\": 4, \"radius_m\": 0.25, \"load_N\": [5, -6]}], \"box_m\": [7, 8],\n"
+                     " \"kappa\": 300, \"test\": \"cyclic\", \"stress_amplitude\": 0.4, \"cycles\": [[8, 0.25]],\n"
+                     " \"lateral\": \"fixed\", \"relax_at\": \"stress\", \"time_step\": 0.05}",
+                     &scene, &plan));
+    const struct simulation *s = &plan.simulation;
+    assert_int_equal(s->disc_count, 2);
+    assert_true(s->discs[0].fixed && !s->discs[1].fixed);
+    check_near(s->discs[1].radius, 0.25, 0);
+    check_near(s->discs[1].load_y, -6, 0);
+    check_near(s->discs[0].y, 2, 0);
+    check_near(s->box[1], 8, 0);
+    check_near(s->kappa, 300, 0);
+    check_near(s->amplitude, 0.4, 0);
+    check_near(s->time_step, 0.05, 0);
+    assert_int_equal(s->test, TEST_CYCLIC);
+    assert_true(s->lateral_fixed && s->relax_at_stress);
+    assert_int_equal(simulation_states(s), 9);
+    simulation_plan_free(&plan);
+    scene_free(&scene);
+}
+
 static void mistakes_are_refused(void **state)
 {
     (void)state;
@@ -95,6 +123,22 @@ static void mistakes_are_refused(void **state)
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"steps\": [[1, 0.9]]}", "steps"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"tolerance\": 0.1}", "tolerance"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"sede\": 1}", "sede"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"time_step\": 0.5}", "time_step"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"discs\": 3}", "discs"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"discs\": [{\"x_m\": 0, \"y_m\": 0, \"radius_m\": 1}]}",
+         "one of them"},
+        {"{\"discs\": [{\"x_m\": 0, \"y_m\": 0}]}", "radius_m"},
+        {"{\"discs\": [{\"x_m\": 0, \"y_m\": 0, \"radius_m\": -1}]}", "radius_m"},
+        {"{\"discs\": [3]}", "object"},
+        {"{\"discs\": [{\"x_m\": 0, \"y_m\": 0, \"radius_m\": 1}], \"box_m\": [0, 1]}", "box_m"},
+        {"{\"kappa\": 100, \"discs\": [{\"x_m\": 0, \"y_m\": 0, \"radius_m\": 1}], \"stress_steps\": [[1, 0.1]]}",
+         "walls"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"steps\": [[1, 0.1]]}", "stress_steps"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"test\": \"simple_shear\", \"stress_steps\": [[1, 0.1]]}",
+         "steps"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"test\": \"cyclic\", \"cycles\": [[1, 0.1]]}",
+         "stress_amplitude"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"relax_at\": \"volume\"}", "relax_at"},
         {"[]", "simulation"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
@@ -120,6 +164,19 @@ static void what_is_missing_is_named(void **state)
         {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"simulation\": {}, \"contact\": {\"kn_N_per_m\": 1e7, "
          "\"mu\": 1}}",
          "density"},
+        {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"contact\": {\"law\": \"rubber\"}}", "hertz_mindlin"},
+        {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"contact\": {\"law\": \"hertz_mindlin\", \"mu\": 1}}",
+         "young_Pa"},
+        {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"contact\": {\"law\": \"pohrt_popov\", \"mu\": 1, "
+         "\"young_Pa\": 1e9, \"poisson\": 0.3}}",
+         "roughness_m"},
+        {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"contact\": {\"law\": \"hertz_pfc\", \"kn_N_per_m\": 1e7}}",
+         "kn_N_per_m"},
+        {"{\"schema\": \"film.scene/1\", \"name\": \"t\", \"grains\": {\"density_kg_m3\": 700, \"length_m\": 1}, "
+         "\"contact\": "
+         "{\"law\": \"hertz_pfc\", \"mu\": 1, \"young_Pa\": 1e9, \"poisson\": 0.3}, \"simulation\": {\"kappa\": 100, "
+         "\"grading\": [[2, 1]]}}",
+         "pressure_Pa"},
     };
     for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
         struct scene scene = {0};
@@ -135,6 +192,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_whole_section_is_read),
+        cmocka_unit_test(discs_and_tests_are_read),
         cmocka_unit_test(mistakes_are_refused),
         cmocka_unit_test(what_is_missing_is_named),
     };
