@@ -35,11 +35,35 @@ static int start(struct canvas *canvas)
     return 0;
 }
 
-int canvas_begin_memory(struct canvas *canvas, double width, double height)
+static cairo_status_t append(void *closure, const unsigned char *data, unsigned int length)
+{
+    struct canvas_bytes *bytes = closure;
+    if (bytes->length + length > bytes->capacity) {
+        size_t capacity = 2 * bytes->capacity + length + 4096;
+        unsigned char *grown = realloc(bytes->data, capacity);
+        if (!grown)
+            return CAIRO_STATUS_NO_MEMORY;
+        bytes->data = grown;
+        bytes->capacity = capacity;
+    }
+    memcpy(bytes->data + bytes->length, data, length);
+    bytes->length += length;
+    return CAIRO_STATUS_SUCCESS;
+}
+
+int canvas_begin_memory(struct canvas *canvas, enum canvas_format format, double width, double height)
 {
     memset(canvas, 0, sizeof *canvas);
-    canvas->format = CANVAS_MEMORY;
-    canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(width), (int)ceil(height));
+    canvas->format = format;
+    canvas->bytes = calloc(1, sizeof *canvas->bytes);
+    if (!canvas->bytes)
+        return error_memory("a picture");
+    if (format == CANVAS_SVG) {
+        canvas->surface = cairo_svg_surface_create_for_stream(append, canvas->bytes, width, height);
+        cairo_svg_surface_set_document_unit(canvas->surface, CAIRO_SVG_UNIT_PX);
+    } else {
+        canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(width), (int)ceil(height));
+    }
     return start(canvas);
 }
 
@@ -65,7 +89,10 @@ void canvas_discard(struct canvas *canvas)
     if (canvas->cairo)
         cairo_destroy(canvas->cairo);
     if (canvas->surface)
-        cairo_surface_destroy(canvas->surface);
+        cairo_surface_destroy(canvas->surface); /* an SVG in memory writes its end */
+    if (canvas->bytes)
+        free(canvas->bytes->data);
+    free(canvas->bytes);
     new_file_discard(&canvas->file);
     memset(canvas, 0, sizeof *canvas);
 }
@@ -89,41 +116,23 @@ int canvas_commit(struct canvas *canvas)
     return result;
 }
 
-struct bytes {
-    unsigned char *data;
-    size_t length, capacity;
-};
-
-static cairo_status_t append(void *closure, const unsigned char *data, unsigned int length)
+int canvas_take(struct canvas *canvas, unsigned char **data, size_t *length)
 {
-    struct bytes *bytes = closure;
-    if (bytes->length + length > bytes->capacity) {
-        size_t capacity = 2 * bytes->capacity + length + 4096;
-        unsigned char *grown = realloc(bytes->data, capacity);
-        if (!grown)
-            return CAIRO_STATUS_NO_MEMORY;
-        bytes->data = grown;
-        bytes->capacity = capacity;
-    }
-    memcpy(bytes->data + bytes->length, data, length);
-    bytes->length += length;
-    return CAIRO_STATUS_SUCCESS;
-}
-
-int canvas_png(struct canvas *canvas, unsigned char **data, size_t *length)
-{
-    struct bytes bytes = {0};
     cairo_status_t status = cairo_status(canvas->cairo);
+    if (status == CAIRO_STATUS_SUCCESS && canvas->format == CANVAS_PNG)
+        status = cairo_surface_write_to_png_stream(canvas->surface, append, canvas->bytes);
+    cairo_surface_finish(canvas->surface); /* SVG is written now */
     if (status == CAIRO_STATUS_SUCCESS)
-        status = cairo_surface_write_to_png_stream(canvas->surface, append, &bytes);
+        status = cairo_surface_status(canvas->surface);
+    *data = canvas->bytes->data;
+    *length = canvas->bytes->length;
+    canvas->bytes->data = NULL;
     canvas_discard(canvas);
-    if (status != CAIRO_STATUS_SUCCESS) {
-        free(bytes.data);
-        return error_failed("a picture cannot be made: %s", cairo_status_to_string(status));
-    }
-    *data = bytes.data;
-    *length = bytes.length;
-    return 0;
+    if (status == CAIRO_STATUS_SUCCESS)
+        return 0;
+    free(*data);
+    *data = NULL;
+    return error_failed("a picture cannot be made: %s", cairo_status_to_string(status));
 }
 
 void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text)

@@ -1,4 +1,4 @@
-/* A cairo picture that ends as a whole file, PNG, SVG or PDF by its extension, or as PNG bytes in memory. */
+/* A cairo picture that ends as a whole file, PNG, SVG or PDF by its extension, or as bytes in memory. */
 #ifndef REPORT_CANVAS_H
 #define REPORT_CANVAS_H
 
@@ -7,24 +7,30 @@
 
 #include "pipeline/new_file.h"
 
-enum canvas_format { CANVAS_PNG, CANVAS_SVG, CANVAS_PDF, CANVAS_MEMORY };
+enum canvas_format { CANVAS_PNG, CANVAS_SVG, CANVAS_PDF };
+
+struct canvas_bytes {
+    unsigned char *data;
+    size_t length, capacity;
+};
 
 struct canvas {
     cairo_t *cairo;
     cairo_surface_t *surface;
     enum canvas_format format;
-    struct new_file file;
+    struct new_file file;       /* when it becomes a file */
+    struct canvas_bytes *bytes; /* when it stays in memory */
 };
 
 /* The format that a path asks for; an error that names the choices for other extensions. */
 int canvas_format_of(const char *path, enum canvas_format *format);
 /* White. Sizes in px (PDF: points). */
 int canvas_begin(struct canvas *canvas, const char *path, double width, double height);
-int canvas_begin_memory(struct canvas *canvas, double width, double height);
+int canvas_begin_memory(struct canvas *canvas, enum canvas_format format, double width, double height);
 int canvas_commit(struct canvas *canvas);   /* frees the canvas whatever happens */
 void canvas_discard(struct canvas *canvas); /* accepts a zeroed struct */
-/* PNG bytes of a picture in memory, to be freed; the canvas is freed whatever happens. */
-int canvas_png(struct canvas *canvas, unsigned char **bytes, size_t *length);
+/* The bytes of a picture in memory, to be freed; the canvas is freed whatever happens. */
+int canvas_take(struct canvas *canvas, unsigned char **bytes, size_t *length);
 
 /* Give back the fonts that cairo keeps for the life of a process; call it last. */
 void canvas_forget_fonts(void);

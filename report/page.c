@@ -21,6 +21,8 @@ static const char head[] =
     ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"
     ".good{background:#e9f5f0;border-left:.4rem solid #009e73;padding:.5rem 1rem}\n"
     ".off{color:#b34a00;font-weight:600}.small{font-size:.8rem;color:#555}\n"
+    ".charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:1rem}\n"
+    ".charts figcaption{display:none}.charts figure{margin:0}\n"
     "figure{margin:1rem 0;break-inside:avoid}img{max-width:100%;height:auto;border:1px solid #ddd}\n"
     "figcaption{font-size:.85rem;color:#555}code{font-size:.85em}\n"
     "@media print{body{max-width:none;font-size:11pt}.table{overflow:visible}}\n"
@@ -32,13 +34,13 @@ static int draw_map(const struct packing *packing, const struct forces *forces, 
     struct canvas canvas;
     unsigned char *png = NULL;
     size_t length = 0;
-    if (map_measure(&map) || canvas_begin_memory(&canvas, map.width, map.height))
+    if (map_measure(&map) || canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height))
         return -1;
     if (map_draw(&map, canvas.cairo)) {
         canvas_discard(&canvas);
         return -1;
     }
-    if (canvas_png(&canvas, &png, &length))
+    if (canvas_take(&canvas, &png, &length))
         return -1;
     html_picture(html, "image/png", png, length, title);
     free(png);
@@ -104,10 +106,12 @@ int page_write(const struct page *page, const struct series *series, struct html
     page_warnings(series, html);
     if (page->truth_folder && page_truth(page, series, html))
         return -1;
+    if (page_curves(series, html))
+        return -1;
     page_photos(series, html);
     page_states(series, html);
     page_stresses(series, html);
-    if (page_pictures(page, series, html))
+    if (page_last_state(series, html) || page_pictures(page, series, html))
         return -1;
     page_inputs(series, html);
     fputs("</body></html>\n", html->stream);

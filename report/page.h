@@ -2,6 +2,7 @@
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
+#include "report/chart.h"
 #include "report/html.h"
 #include "report/series.h"
 
@@ -22,6 +23,10 @@ void page_photos(const struct series *series, struct html *html);
 void page_states(const struct series *series, struct html *html);
 void page_stresses(const struct series *series, struct html *html);
 void page_inputs(const struct series *series, struct html *html);
+int page_chart(const struct chart *chart, struct html *html);
+int page_persistence(const struct series *series, struct html *html);
+int page_last_state(const struct series *series, struct html *html);
+int page_curves(const struct series *series, struct html *html);
 int page_truth(const struct page *page, const struct series *series, struct html *html);
 int page_pictures(const struct page *page, const struct series *series, struct html *html);
 

@@ -8,7 +8,9 @@
 
 #include "pipeline/error.h"
 #include "report/canvas.h"
+#include "report/chart.h"
 #include "report/compare.h"
+#include "report/distribution.h"
 #include "report/export.h"
 #include "report/html.h"
 #include "report/map.h"
@@ -260,6 +262,75 @@ static void test_pearson(void **unused)
     assert_true(isnan(pearson(x, y, 1)));
 }
 
+/* ---- statistics ---- */
+
+/* fn = 10 20 30 40: mean 25; fn / mean = 0.4 0.8 1.2 1.6 in bins 1, 3, 4 and 6, each a quarter over 0.25. */
+static void test_distribution(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    double density[DISTRIBUTION_BINS];
+    make_chain(&p);
+    assert_int_equal(force_distribution(p.forces, density), 4);
+    for (int b = 0; b < DISTRIBUTION_BINS; b++)
+        if (b == 1 || b == 3 || b == 4 || b == 6)
+            check_near(density[b], 1, 1e-12);
+        else
+            assert_true(isnan(density[b]));
+    p.forces->contact.fn[0] = 0; /* open, and one that is not known */
+    p.forces->contact.fn[1] = NAN;
+    assert_int_equal(force_distribution(p.forces, density), 2);
+    check_near(density[3], 2, 1e-12); /* 30 / 35 */
+    check_near(density[4], 2, 1e-12); /* 40 / 35 */
+    packing_free(&p);
+}
+
+/* Three contacts along x, one of them turned to 61 degrees; the wall does not count. */
+static void test_rose(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    double share[ROSE_BINS], mean_fn[ROSE_BINS];
+    make_chain(&p);
+    p.contacts.nx[1] = cos(61 * M_PI / 180), p.contacts.ny[1] = sin(61 * M_PI / 180);
+    p.contacts.nx[2] = -1; /* fn 10, 20, 30: mean 20 */
+    contact_rose(&p, p.forces, share, mean_fn);
+    for (int b = 0; b < ROSE_BINS; b++) {
+        int along_x = b == 0 || b == 18, turned = b == 6 || b == 24;
+        check_near(share[b], along_x ? 2 * 6 : turned ? 6 : 0, 1e-12); /* 6 directions in 36 bins: mean 1/6 */
+        if (along_x || turned)
+            check_near(mean_fn[b], 1, 1e-12); /* (10 + 30) / 2 and 20 */
+        else
+            assert_true(isnan(mean_fn[b]));
+    }
+    packing_free(&p);
+}
+
+/* A chart of nothing draws nothing; logarithmic axes leave out what is not positive. */
+static void test_chart(void **unused)
+{
+    (void)unused;
+    struct canvas canvas;
+    unsigned char *svg;
+    size_t length;
+    struct chart chart = {.title = "t", .x_label = "x", .y_label = "y", .log_y = 1};
+    struct chart_line *line = chart_add(&chart, "a", 3);
+    assert_non_null(line);
+    assert_true(chart_is_empty(&chart));
+    chart_put(line, 1, -1);
+    chart_put(line, NAN, 1);
+    assert_true(chart_is_empty(&chart));
+    chart_put(line, 1, 1);
+    assert_false(chart_is_empty(&chart));
+    check_done(canvas_begin_memory(&canvas, CANVAS_SVG, 300, 200)); /* one point: axes of some length all the same */
+    chart_draw(&chart, canvas.cairo, 300, 200);
+    check_done(canvas_take(&canvas, &svg, &length));
+    assert_int_equal(memcmp(svg, "<?xml", 5), 0);
+    free(svg);
+    chart_free(&chart);
+    chart_free(&chart);
+}
+
 /* ---- text ---- */
 
 static char *text_of(int (*write)(const struct loaded *, FILE *), const struct loaded *loaded)
@@ -372,7 +443,7 @@ static void test_map_widths(void **unused)
         p.forces->contact.ft[c] = 0;
     struct map map = {.packing = &p, .forces = p.forces, .width = 1600, .mean_fn = 25, .title = "a"};
     check_done(map_measure(&map));
-    check_done(canvas_begin_memory(&canvas, map.width, map.height));
+    check_done(canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height));
     check_done(map_draw(&map, canvas.cairo));
     cairo_surface_flush(canvas.surface);
     for (int c = 0; c < 3; c++)
@@ -464,6 +535,9 @@ int main(void)
         cmocka_unit_test(test_map_widths),
         cmocka_unit_test(test_map_nothing),
         cmocka_unit_test(test_html),
+        cmocka_unit_test(test_distribution),
+        cmocka_unit_test(test_rose),
+        cmocka_unit_test(test_chart),
         cmocka_unit_test(test_page),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,244 @@
+#include "report/chart.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "report/canvas.h"
+
+static const double COLOURS[][3] = {{COLOUR_BLUE},   {COLOUR_VERMILLION}, {COLOUR_GREEN},
+                                    {COLOUR_ORANGE}, {COLOUR_PURPLE},     {COLOUR_SKY}};
+enum { COLOUR_COUNT = 6, MARKERS = 4 };
+
+struct axis {
+    double from, to, step; /* in decades when logarithmic */
+    double begin, length;  /* px */
+};
+
+struct chart_line *chart_add(struct chart *chart, const char *name, size_t capacity)
+{
+    if (chart->count == CHART_LINES) {
+        (void)error_failed("a chart of more than %d lines: report this as a defect", CHART_LINES);
+        return NULL;
+    }
+    struct chart_line *line = &chart->lines[chart->count];
+    line->style = chart->count++;
+    snprintf(line->name, sizeof line->name, "%s", name);
+    line->x = malloc((capacity + 1) * sizeof *line->x);
+    line->y = malloc((capacity + 1) * sizeof *line->y);
+    line->count = 0;
+    if (line->x && line->y)
+        return line;
+    (void)error_memory("a chart");
+    return NULL;
+}
+
+void chart_put(struct chart_line *line, double x, double y)
+{
+    line->x[line->count] = x;
+    line->y[line->count++] = y;
+}
+
+void chart_free(struct chart *chart)
+{
+    for (size_t k = 0; k < chart->count; k++) {
+        free(chart->lines[k].x);
+        free(chart->lines[k].y);
+    }
+    memset(chart, 0, sizeof *chart);
+}
+
+/* The height of a point on the axis; NaN when it cannot be drawn. */
+static double height_of(const struct chart *chart, const struct chart_line *line, size_t k)
+{
+    double y = line->y[k];
+    if (!isfinite(line->x[k]) || !isfinite(y) || (chart->log_y && y <= 0))
+        return NAN;
+    return chart->log_y ? log10(y) : y;
+}
+
+int chart_is_empty(const struct chart *chart)
+{
+    for (size_t l = 0; l < chart->count; l++)
+        for (size_t k = 0; k < chart->lines[l].count; k++)
+            if (!isnan(height_of(chart, &chart->lines[l], k)))
+                return 0;
+    return 1;
+}
+
+/* ---- axes ---- */
+
+/* The smallest of 1, 2, 5 times a power of ten that is not below the value. */
+static double round_up(double value)
+{
+    double below = canvas_round_number(value), first = below / pow(10, floor(log10(below) + 1e-9));
+    return below >= value * (1 - 1e-9) ? below : first > 1.5 && first < 3 ? 2.5 * below : 2 * below;
+}
+
+static struct axis make_axis(double from, double to, double begin, double length, double whole)
+{
+    if (!(to > from)) {
+        double room = fmax(fabs(from) * 0.1, 1e-12);
+        from -= room;
+        to += room;
+    }
+    struct axis axis = {.begin = begin, .length = length};
+    axis.step = fmax(round_up((to - from) / 6), whole);
+    axis.from = axis.step * floor(from / axis.step + 1e-9);
+    axis.to = axis.step * ceil(to / axis.step - 1e-9);
+    return axis;
+}
+
+static void measure(const struct chart *chart, double width, double height, struct axis *x, struct axis *y)
+{
+    double x0 = INFINITY, x1 = -INFINITY, y0 = chart->from_zero ? 0 : INFINITY, y1 = chart->from_zero ? 0 : -INFINITY;
+    for (size_t l = 0; l < chart->count; l++)
+        for (size_t k = 0; k < chart->lines[l].count; k++) {
+            double up = height_of(chart, &chart->lines[l], k);
+            if (isnan(up))
+                continue;
+            x0 = fmin(x0, chart->lines[l].x[k]);
+            x1 = fmax(x1, chart->lines[l].x[k]);
+            y0 = fmin(y0, up);
+            y1 = fmax(y1, up);
+        }
+    *x = make_axis(x0, x1, 78, width - 98, chart->whole_x ? 1 : 0);
+    *y = make_axis(y0, y1, height - 48, -(height - 90), chart->log_y ? 1 : 0);
+}
+
+static double on(const struct axis *axis, double value)
+{
+    return axis->begin + axis->length * (value - axis->from) / (axis->to - axis->from);
+}
+
+static void number_text(double value, int log, char text[32])
+{
+    if (log)
+        snprintf(text, 32, "%g", pow(10, value));
+    else
+        snprintf(text, 32, "%.6g", fabs(value) < 1e-12 ? 0 : value);
+}
+
+static void draw_ticks(const struct chart *chart, cairo_t *cairo, const struct axis *x, const struct axis *y)
+{
+    char text[32];
+    cairo_set_line_width(cairo, 1);
+    for (double v = x->from; v <= x->to + 0.01 * x->step; v += x->step) {
+        number_text(fabs(v) < 1e-9 * x->step ? 0 : v, 0, text);
+        cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
+        cairo_move_to(cairo, on(x, v), y->begin);
+        cairo_line_to(cairo, on(x, v), y->begin + y->length);
+        cairo_stroke(cairo);
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+        canvas_text(cairo, on(x, v), y->begin + 17, 0.5, 12, 0, text);
+    }
+    for (double v = y->from; v <= y->to + 0.01 * y->step; v += y->step) {
+        number_text(fabs(v) < 1e-9 * y->step ? 0 : v, chart->log_y, text);
+        cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
+        cairo_move_to(cairo, x->begin, on(y, v));
+        cairo_line_to(cairo, x->begin + x->length, on(y, v));
+        cairo_stroke(cairo);
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+        canvas_text(cairo, x->begin - 7, on(y, v) + 4, 1, 12, 0, text);
+    }
+    cairo_rectangle(cairo, x->begin, y->begin, x->length, y->length);
+    cairo_stroke(cairo);
+}
+
+static void draw_labels(const struct chart *chart, cairo_t *cairo, const struct axis *x, const struct axis *y)
+{
+    cairo_set_source_rgb(cairo, COLOUR_INK);
+    canvas_text(cairo, x->begin, 18, 0, 14, 1, chart->title);
+    canvas_text(cairo, x->begin + 0.5 * x->length, y->begin + 38, 0.5, 13, 0, chart->x_label);
+    cairo_save(cairo);
+    cairo_translate(cairo, 18, y->begin + 0.5 * y->length);
+    cairo_rotate(cairo, -M_PI / 2);
+    canvas_text(cairo, 0, 0, 0.5, 13, 0, chart->y_label);
+    cairo_restore(cairo);
+}
+
+/* ---- lines ---- */
+
+static void draw_marker(cairo_t *cairo, double x, double y, size_t kind)
+{
+    const double r = 3.5;
+    cairo_new_path(cairo);
+    if (kind % MARKERS == 0)
+        cairo_arc(cairo, x, y, r, 0, 2 * M_PI);
+    else if (kind % MARKERS == 1)
+        cairo_rectangle(cairo, x - r, y - r, 2 * r, 2 * r);
+    else {
+        double up = kind % MARKERS == 2 ? -1 : 1;
+        cairo_move_to(cairo, x, y + up * 1.2 * r);
+        cairo_line_to(cairo, x + 1.2 * r, y - up * r);
+        cairo_line_to(cairo, x - 1.2 * r, y - up * r);
+        cairo_close_path(cairo);
+    }
+    cairo_fill(cairo);
+}
+
+static void set_style(cairo_t *cairo, const struct chart_line *line)
+{
+    static const double dashes[] = {5, 4};
+    const double *colour = COLOURS[line->style % COLOUR_COUNT];
+    cairo_set_source_rgb(cairo, colour[0], colour[1], colour[2]);
+    cairo_set_dash(cairo, dashes, line->dashed ? 2 : 0, 0);
+    cairo_set_line_width(cairo, 1.6);
+}
+
+static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const struct axis *x, const struct axis *y)
+{
+    const struct chart_line *line = &chart->lines[l];
+    int pen_down = 0;
+    set_style(cairo, line);
+    cairo_new_path(cairo);
+    for (size_t k = 0; k < line->count; k++) {
+        double up = height_of(chart, line, k);
+        if (!isnan(up) && pen_down)
+            cairo_line_to(cairo, on(x, line->x[k]), on(y, up));
+        else if (!isnan(up))
+            cairo_move_to(cairo, on(x, line->x[k]), on(y, up));
+        pen_down = !isnan(up);
+    }
+    cairo_stroke(cairo);
+    cairo_set_dash(cairo, NULL, 0, 0);
+    for (size_t k = 0; k < line->count && line->count <= 60; k++) {
+        double up = height_of(chart, line, k);
+        if (!isnan(up))
+            draw_marker(cairo, on(x, line->x[k]), on(y, up), line->style);
+    }
+}
+
+static void draw_key(const struct chart *chart, cairo_t *cairo, double left)
+{
+    cairo_text_extents_t extents;
+    for (size_t l = 0; l < chart->count; l++) {
+        if (chart->lines[l].without_key)
+            continue;
+        set_style(cairo, &chart->lines[l]);
+        cairo_move_to(cairo, left, 31);
+        cairo_line_to(cairo, left + 20, 31);
+        cairo_stroke(cairo);
+        cairo_set_dash(cairo, NULL, 0, 0);
+        draw_marker(cairo, left + 10, 31, chart->lines[l].style);
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+        canvas_text(cairo, left + 25, 35, 0, 12, 0, chart->lines[l].name);
+        cairo_text_extents(cairo, chart->lines[l].name, &extents);
+        left += 37 + extents.x_advance;
+    }
+}
+
+void chart_draw(const struct chart *chart, cairo_t *cairo, double width, double height)
+{
+    struct axis x, y;
+    if (chart_is_empty(chart))
+        return;
+    measure(chart, width, height, &x, &y);
+    draw_ticks(chart, cairo, &x, &y);
+    draw_labels(chart, cairo, &x, &y);
+    for (size_t l = 0; l < chart->count; l++)
+        draw_line(chart, cairo, l, &x, &y);
+    draw_key(chart, cairo, x.begin);
+}

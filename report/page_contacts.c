@@ -1,0 +1,146 @@
+/* Forces between states, and the last state's contacts: distribution and directions. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/canvas.h"
+#include "report/compare.h"
+#include "report/page.h"
+#include "report/rose.h"
+
+/* ---- persistence (thesis Fig. 4.28) ---- */
+
+/* Forces of that method in two files of neighbouring states: r of fn and of ft over the contacts that stay. */
+static int persistence(const char *before_path, const char *now_path, const char *method, double r[2])
+{
+    struct packing before = {0}, now = {0};
+    struct figures figures = {.count = 0};
+    int result = packing_read(before_path, &before) || packing_read(now_path, &now) ? -1 : 0;
+    r[0] = r[1] = NAN;
+    if (result == 0 && packing_forces(&before, method) && packing_forces(&now, method)) {
+        result = compare_packings(&now, &before, method, method, &figures);
+        r[0] = figures_value(&figures, "r_fn");
+        r[1] = figures_value(&figures, "r_ft");
+    }
+    packing_free(&before);
+    packing_free(&now);
+    return result;
+}
+
+static int persistence_lines(const struct series *series, struct chart *chart, const char *method, size_t style)
+{
+    char name[48];
+    struct chart_line *fn, *ft;
+    const struct series_row *before = NULL;
+    snprintf(name, sizeof name, "%.15s fn", method);
+    fn = chart_add(chart, name, series->count);
+    snprintf(name, sizeof name, "%.15s ft", method);
+    ft = fn ? chart_add(chart, name, series->count) : NULL;
+    if (!ft)
+        return -1;
+    fn->style = ft->style = style;
+    ft->dashed = 1;
+    for (size_t k = 0; k < series->count; k++) {
+        const struct series_row *row = &series->rows[k];
+        double r[2];
+        if (!row->packing.force_count)
+            continue;
+        if (before && persistence(before->packing.path, row->packing.path, method, r))
+            return -1;
+        if (before) {
+            chart_put(fn, (double)row->index, r[0]);
+            chart_put(ft, (double)row->index, r[1]);
+        }
+        before = row;
+    }
+    return 0;
+}
+
+int page_persistence(const struct series *series, struct html *html)
+{
+    struct chart chart = {.title = "Persistence: Pearson r with the forces of the state before",
+                          .x_label = "photo",
+                          .y_label = "r",
+                          .whole_x = 1};
+    const struct packing_summary *last = NULL;
+    int result = 0;
+    for (size_t k = 0; k < series->count; k++)
+        if (series->rows[k].packing.force_count)
+            last = &series->rows[k].packing;
+    for (size_t f = 0; last && f < last->force_count && f < 4 && result == 0; f++)
+        result = persistence_lines(series, &chart, last->forces[f].method, f + 1);
+    if (result == 0)
+        result = page_chart(&chart, html);
+    chart_free(&chart);
+    return result;
+}
+
+/* ---- the last state ---- */
+
+static int distribution_chart(const struct packing *packing, struct html *html)
+{
+    struct chart chart = {
+        .title = "Distribution of normal forces", .x_label = "fn / ⟨fn⟩", .y_label = "probability density", .log_y = 1};
+    int result = 0;
+    for (size_t f = 0; f < packing->force_count && f < CHART_LINES && result == 0; f++) {
+        double density[DISTRIBUTION_BINS];
+        struct chart_line *line = chart_add(&chart, packing->forces[f].method, DISTRIBUTION_BINS);
+        if (!line) {
+            result = -1;
+            break;
+        }
+        line->style = f + 1;
+        force_distribution(&packing->forces[f], density);
+        for (int b = 0; b < DISTRIBUTION_BINS; b++)
+            chart_put(line, DISTRIBUTION_STEP * (b + 0.5), density[b]);
+    }
+    if (result == 0)
+        result = page_chart(&chart, html);
+    chart_free(&chart);
+    return result;
+}
+
+static int rose_picture(const struct packing *packing, const struct forces *forces, struct html *html)
+{
+    const double width = 640, height = 420;
+    double share[ROSE_BINS], mean_fn[ROSE_BINS];
+    char title[100];
+    struct canvas canvas;
+    unsigned char *svg = NULL;
+    size_t length = 0;
+    contact_rose(packing, forces, share, mean_fn);
+    snprintf(title, sizeof title, "Contact directions%s%.15s", forces ? ", forces by " : "",
+             forces ? forces->method : "");
+    if (canvas_begin_memory(&canvas, CANVAS_SVG, width, height))
+        return -1;
+    rose_draw(canvas.cairo, width, height, title, share, forces ? mean_fn : NULL);
+    if (canvas_take(&canvas, &svg, &length))
+        return -1;
+    html_picture(html, "image/svg+xml", svg, length, title);
+    free(svg);
+    return 0;
+}
+
+int page_last_state(const struct series *series, struct html *html)
+{
+    const struct series_row *last = NULL;
+    struct packing packing;
+    for (size_t k = 0; k < series->count; k++)
+        if (series->rows[k].packing.path && series->rows[k].packing.fabric.contacts)
+            last = &series->rows[k];
+    if (!last)
+        return 0;
+    if (packing_read(last->packing.path, &packing))
+        return -1;
+    fputs("<h2>Contacts of ", html->stream);
+    html_text(html, last->name);
+    fputs("</h2>\n<div class=\"charts\">\n", html->stream);
+    int result = distribution_chart(&packing, html);
+    if (packing.force_count == 0 && result == 0)
+        result = rose_picture(&packing, NULL, html);
+    for (size_t f = 0; f < packing.force_count && result == 0; f++)
+        result = rose_picture(&packing, &packing.forces[f], html);
+    fputs("</div>\n", html->stream);
+    packing_free(&packing);
+    return result;
+}
