@@ -88,10 +88,10 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
 static int refine(const struct photo *photo, const struct zone *zone, enum find_shape shape, struct rims_state *state,
                   struct rims *rims)
 {
+    state->ellipse = shape != FIND_SHAPE_CIRCLE;
     if (rims_approach(photo, zone, state, rims) || keep_supported(rims) || rims_estimate_blur(photo, zone, state, rims))
         return -1;
     state->window = 2.5 * state->blur;
-    state->ellipse = shape != FIND_SHAPE_CIRCLE;
     if (iterate(photo, zone, state, rims, ROUNDS))
         return -1;
     if (shape == FIND_SHAPE_AUTO && !ellipses_show(rims, rims_correlation(rims))) {

@@ -133,7 +133,7 @@ int rims_approach(const struct photo *photo, const struct zone *zone, const stru
     struct edge_settings settings = settings_of(state);
     settings.damping = 0.5;
     for (int round = 0; round < 6; round++) {
-        if (iterate_all(photo, zone, &settings, 0, rims->spread, rims))
+        if (iterate_all(photo, zone, &settings, state->ellipse, rims->spread, rims))
             return -1;
         for (size_t k = 0; k < rims->count; k++)
             rims->spread[k] *= 0.7;
@@ -202,7 +202,7 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
         struct edge_settings settings = settings_of(state);
         settings.window = 3 * state->blur;
         settings.damping = 0.7;
-        if (iterate(photo, zone, &settings, 0, NULL, rims, rows, fitted))
+        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
             return -1;
         for (size_t k = 0; k < rows.count; k++)
             if (fitted[k].support > 0)
@@ -210,7 +210,7 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
         settings.fit_blur = 1;
         settings.window = 3.5 * state->blur;
         settings.sector = 2 * state->sector;
-        if (iterate(photo, zone, &settings, 0, NULL, rims, rows, fitted))
+        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
             return -1;
         double error = median_member(fitted, rows.count, offsetof(struct refined, blur_error));
         if (!isfinite(error))

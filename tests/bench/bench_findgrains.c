@@ -1,0 +1,385 @@
+/* findgrains on rendered photos: speed against error, beside what else finds circles and the bound of what can be
+ * found.
+ *
+ *     bench_findgrains [--seed N] [--grains N] [--case NAME]... [--peers] [--json FILE] [--save FOLDER]
+ *
+ * A packing of N discs (proportions of the real grading, radii 67 to 167 px, or 14 to 35 px in the case "small") is
+ * compressed by the virtual test and photographed by the virtual camera. Centre: RMS per coordinate. x: overlap of
+ * true contacts along the branch, of the faces as drawn. Bound: Cramer-Rao for the visible rim (more than 1.2 blurs
+ * from anything else) with known grey levels and white noise only. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#include "findgrains/find_grains.h"
+#include "pipeline/error.h"
+#include "pipeline/random.h"
+#include "simulation/render.h"
+#include "tests/bench/packed.h"
+#include "tests/bench/peers.h"
+
+struct bench {
+    uint64_t seed;
+    long grains;
+    int peers, first;
+    FILE *json;
+    const char *save;
+    struct photo_grains truth; /* px, circles; the faces' shapes are drawn per case */
+    int width, height;
+    double low, high; /* radii */
+};
+
+/* ---- the photos ---- */
+
+static struct optics plain_optics(uint64_t seed)
+{
+    struct optics optics = OPTICS_DEFAULT;
+    optics.seed = seed;
+    optics.psf = 1.05;
+    optics.bits = 16;
+    optics.read_noise = 0.0075; /* 1.5 % of the grains' level */
+    optics.shot_noise = 0;
+    optics.grain = (struct surface){.level = 0.5, .spread = 0.12};
+    return optics;
+}
+
+static struct optics speckled_optics(uint64_t seed, double dots)
+{
+    struct optics optics = plain_optics(seed);
+    optics.grain.paint[0] = (struct paint){1.0, 3.0, 0.6 * dots, 0.08, 0.25};
+    optics.grain.paint[1] = (struct paint){1.0, 3.0, 0.4 * dots, 0.6, 0.85};
+    optics.grain.paint_count = 2;
+    optics.ring_spacing = 9;
+    optics.ring_contrast = 0.1;
+    optics.shading = 0.1;
+    optics.hollow.paint[0] = (struct paint){2, 8, 0.3, 0.02, 0.06};
+    optics.hollow.paint_count = 1;
+    return optics;
+}
+
+struct kind {
+    const char *name;
+    double scale; /* of the packing */
+};
+static const struct kind kinds[] = {
+    {"clean", 1}, {"base", 1},  {"ellipse", 1}, {"specks30", 1},  {"lowcontrast", 1}, {"noise2", 1}, {"noise3", 1},
+    {"psf07", 1}, {"psf15", 1}, {"shading", 1}, {"saturated", 1}, {"small", 0.21},    {"bevel", 1},  {NULL, 0}};
+
+static struct optics case_optics(const char *name, uint64_t seed)
+{
+    struct optics optics = strcmp(name, "clean") ? speckled_optics(seed, 0.2) : plain_optics(seed);
+    if (!strcmp(name, "ellipse"))
+        optics.ellipticity = 0.01;
+    else if (!strcmp(name, "specks30"))
+        optics = speckled_optics(seed, 0.3);
+    else if (!strcmp(name, "lowcontrast")) {
+        optics.exposure = 0.26;
+        optics.hollow.level = 0.03;
+    } else if (!strcmp(name, "noise2"))
+        optics.read_noise = 0.01;
+    else if (!strcmp(name, "noise3"))
+        optics.read_noise = 0.015;
+    else if (!strcmp(name, "psf07"))
+        optics.psf = 0.7;
+    else if (!strcmp(name, "psf15"))
+        optics.psf = 1.5;
+    else if (!strcmp(name, "shading"))
+        optics.shading = 0.5;
+    else if (!strcmp(name, "saturated"))
+        optics.exposure = 1.9;
+    else if (!strcmp(name, "bevel")) {
+        optics.bevel_width = 2;
+        optics.bevel_depth = 0.6;
+    }
+    return optics;
+}
+
+/* Faces: circles, or ellipses whose mean of (longest - shortest radius) / mean radius is `ellipticity`. */
+static void draw_shapes(struct photo_grains *grains, double ellipticity, uint64_t seed)
+{
+    for (size_t k = 0; k < grains->count; k++) {
+        double size = 0.5 * ellipticity * grains->radius_px[k] * 2 * random_uniform(seed, 2 * k);
+        double angle = 2 * M_PI * random_uniform(seed, 2 * k + 1);
+        grains->shape_c[k] = size * cos(angle);
+        grains->shape_s[k] = size * sin(angle);
+    }
+}
+
+/* ---- the score ---- */
+
+struct score {
+    size_t truth, found, wrong, contacts;
+    double centre, radius, bias, overlap, ratio_centre, ratio_radius, bound_centre, bound_radius, cpu;
+};
+
+static long nearest(const struct photo_grains *grains, double x, double y, double r)
+{
+    for (size_t k = 0; k < grains->count; k++)
+        if (hypot(grains->x_px[k] - x, grains->y_px[k] - y) < 0.25 * r && fabs(grains->radius_px[k] - r) < 0.15 * r)
+            return (long)k;
+    return -1;
+}
+
+static double rim_along(const struct photo_grains *grains, size_t k, double phi)
+{
+    double r = grains->radius_px[k];
+    if (grains->shape_c)
+        r += grains->shape_c[k] * cos(2 * phi) + grains->shape_s[k] * sin(2 * phi);
+    return r;
+}
+
+static double overlap_of(const struct photo_grains *grains, size_t i, size_t j)
+{
+    double dx = grains->x_px[j] - grains->x_px[i], dy = grains->y_px[j] - grains->y_px[i], phi = atan2(-dy, dx);
+    return rim_along(grains, i, phi) + rim_along(grains, j, phi + M_PI) - hypot(dx, dy);
+}
+
+static void score_contacts(const struct photo_grains *truth, const struct photo_grains *grains, const long *row,
+                           struct score *score)
+{
+    for (size_t i = 0; i < truth->count; i++)
+        for (size_t j = i + 1; j < truth->count; j++) {
+            double x;
+            if (row[i] < 0 || row[j] < 0 ||
+                fabs(truth->x_px[i] - truth->x_px[j]) > truth->radius_px[i] + truth->radius_px[j] ||
+                (x = overlap_of(truth, i, j)) <= 0)
+                continue;
+            score->overlap += pow(overlap_of(grains, (size_t)row[i], (size_t)row[j]) - x, 2);
+            score->contacts++;
+        }
+    score->overlap = sqrt(score->overlap / (double)score->contacts);
+}
+
+/* Fisher information of (R, x, y) over the visible rim, inverted: J per length of rim = A^2 / (2 sqrt(pi) s noise^2).
+ */
+static void bound_of(const struct photo_grains *truth, size_t k, double per_length, double blur, double variance[3])
+{
+    enum { STEPS = 256 };
+    double m[3][3] = {{0}};
+    for (int step = 0; step < STEPS; step++) {
+        double phi = 2 * M_PI * step / STEPS, r = truth->radius_px[k], row[3] = {1, cos(phi), sin(phi)};
+        double x = truth->x_px[k] + r * row[1], y = truth->y_px[k] + r * row[2];
+        int seen = 1;
+        for (size_t j = 0; j < truth->count && seen; j++)
+            seen = j == k || hypot(truth->x_px[j] - x, truth->y_px[j] - y) > truth->radius_px[j] + 1.2 * blur;
+        for (int i = 0; seen && i < 9; i++)
+            m[i / 3][i % 3] += per_length * 2 * M_PI * r / STEPS * row[i / 3] * row[i % 3];
+    }
+    double det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[1][2]) - m[0][1] * (m[0][1] * m[2][2] - m[1][2] * m[0][2]) +
+                 m[0][2] * (m[0][1] * m[1][2] - m[1][1] * m[0][2]);
+    variance[0] = (m[1][1] * m[2][2] - m[1][2] * m[1][2]) / det;
+    variance[1] = (m[0][0] * m[2][2] - m[0][2] * m[0][2]) / det;
+    variance[2] = (m[0][0] * m[1][1] - m[0][1] * m[0][1]) / det;
+}
+
+static void score_grains(const struct photo_grains *truth, const struct photo_grains *grains, double per_length,
+                         double blur, struct score *score)
+{
+    long *row = malloc((truth->count + 1) * sizeof *row);
+    if (!row)
+        return;
+    score->truth = truth->count;
+    for (size_t k = 0; k < truth->count; k++) {
+        double variance[3];
+        row[k] = nearest(grains, truth->x_px[k], truth->y_px[k], truth->radius_px[k]);
+        if (row[k] < 0)
+            continue;
+        size_t j = (size_t)row[k];
+        double x = grains->x_px[j] - truth->x_px[k], y = grains->y_px[j] - truth->y_px[k];
+        double r = grains->radius_px[j] - truth->radius_px[k];
+        score->found++;
+        score->centre += 0.5 * (x * x + y * y);
+        score->radius += r * r;
+        score->bias += r;
+        if (grains->s_x && isfinite(grains->s_radius[j])) {
+            score->ratio_centre += 0.5 * (pow(x / grains->s_x[j], 2) + pow(y / grains->s_y[j], 2));
+            score->ratio_radius += pow(r / grains->s_radius[j], 2);
+        }
+        bound_of(truth, k, per_length, blur, variance);
+        score->bound_radius += variance[0];
+        score->bound_centre += 0.5 * (variance[1] + variance[2]);
+    }
+    double n = (double)score->found;
+    score->wrong = grains->count - score->found;
+    score->centre = sqrt(score->centre / n);
+    score->radius = sqrt(score->radius / n);
+    score->bias /= n;
+    score->ratio_centre = sqrt(score->ratio_centre / n);
+    score->ratio_radius = sqrt(score->ratio_radius / n);
+    score->bound_centre = sqrt(score->bound_centre / n);
+    score->bound_radius = sqrt(score->bound_radius / n);
+    score_contacts(truth, grains, row, score);
+    free(row);
+}
+
+static void print_score(struct bench *bench, const char *photo, const char *method, const struct score *s)
+{
+    printf("%-12s %-18s %5.3f %4zu  %7.4f %7.4f %+8.4f  %7.4f  %5.2f %5.2f  %5.2f %5.2f  %6.2f\n", photo, method,
+           (double)s->found / (double)s->truth, s->wrong, s->centre, s->radius, s->bias, s->overlap, s->ratio_centre,
+           s->ratio_radius, s->centre / s->bound_centre, s->radius / s->bound_radius, s->cpu);
+    fflush(stdout);
+    if (!bench->json)
+        return;
+    fprintf(
+        bench->json,
+        "%s{\"photo\": \"%s\", \"method\": \"%s\", \"grains\": %zu, \"found\": %zu, \"false\": %zu, \"centre_px\": "
+        "%.5f, "
+        "\"radius_px\": %.5f, \"bias_px\": %.5f, \"overlap_px\": %.5f, \"ratio_centre\": %.3f, \"ratio_radius\": %.3f, "
+        "\"bound_centre_px\": %.5f, \"bound_radius_px\": %.5f, \"cpu_s\": %.3f}",
+        bench->first ? "" : ",\n", photo, method, s->truth, s->found, s->wrong, s->centre, s->radius, s->bias,
+        s->overlap, s->ratio_centre, s->ratio_radius, s->bound_centre, s->bound_radius, s->cpu);
+    bench->first = 0;
+}
+
+/* ---- the runs ---- */
+
+static double cpu_now(void)
+{
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
+static void run_peer(struct bench *bench, const char *name, enum peer peer, int shrink, const struct photo *photo,
+                     const struct photo_grains *truth, double per_length, double blur)
+{
+    static const char *const names[] = {"hough", "hough alt", "distance"};
+    static const char *const columns[] = {"x_px", "y_px", "radius_px", NULL};
+    enum { ROOM = 20000 };
+    static double circles[ROOM][3];
+    struct photo_grains grains = {0};
+    struct score score = {0};
+    char label[64];
+    double begin = cpu_now();
+    int count =
+        peer_find(peer, photo->pixels, photo->width, photo->height, shrink, bench->low, bench->high, circles, ROOM);
+    score.cpu = cpu_now() - begin;
+    if (table_alloc(&PHOTO_GRAINS, &grains, (size_t)count, columns))
+        return;
+    for (int k = 0; k < count; k++) {
+        grains.x_px[k] = circles[k][0];
+        grains.y_px[k] = circles[k][1];
+        grains.radius_px[k] = circles[k][2];
+    }
+    score_grains(truth, &grains, per_length, blur, &score);
+    snprintf(label, sizeof label, "%s 1/%d", names[peer], shrink);
+    print_score(bench, name, label, &score);
+    table_free(&PHOTO_GRAINS, &grains);
+}
+
+static int run_findgrains(struct bench *bench, const char *name, const struct photo *photo,
+                          const struct photo_grains *truth, double per_length, double blur)
+{
+    struct find_options options = FIND_OPTIONS_DEFAULT;
+    struct photo_grains grains = {0};
+    struct score score = {0};
+    options.radius_min_px = bench->low;
+    options.radius_max_px = bench->high;
+    double begin = cpu_now();
+    if (find_grains(photo, &options, &grains, NULL))
+        return -1;
+    score.cpu = cpu_now() - begin;
+    score_grains(truth, &grains, per_length, blur, &score);
+    print_score(bench, name, "findgrains", &score);
+    table_free(&PHOTO_GRAINS, &grains);
+    return 0;
+}
+
+static int run_case(struct bench *bench, const struct kind *kind)
+{
+    struct optics optics = case_optics(kind->name, bench->seed);
+    struct photo_grains truth = {0};
+    struct photo photo = {0};
+    if (table_copy(&PHOTO_GRAINS, &truth, &bench->truth))
+        return -1;
+    for (size_t k = 0; k < truth.count; k++) {
+        truth.x_px[k] *= kind->scale;
+        truth.y_px[k] *= kind->scale;
+        truth.radius_px[k] *= kind->scale;
+    }
+    bench->low = 67 * kind->scale * 0.97;
+    bench->high = 167.5 * kind->scale * 1.03;
+    draw_shapes(&truth, optics.ellipticity, bench->seed);
+    struct picture picture = {.width = (int)(bench->width * kind->scale), .height = (int)(bench->height * kind->scale)};
+    picture.grains = &truth;
+    int status = render_picture(&picture, &optics, &photo);
+    double blur = sqrt(optics.psf * optics.psf + 1.0 / 12);
+    double step = optics.exposure * (optics.grain.level - optics.hollow.level);
+    double per_length = step * step / (2 * sqrt(M_PI) * blur * optics.read_noise * optics.read_noise);
+    if (!status && bench->save) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s.tif", bench->save, kind->name);
+        status = photo_write(path, &photo);
+    }
+    if (!status)
+        status = run_findgrains(bench, kind->name, &photo, &truth, per_length, blur);
+    int shrink = kind->scale < 1 ? 1 : 4;
+    if (!status && bench->peers) {
+        run_peer(bench, kind->name, PEER_HOUGH_GRADIENT, shrink, &photo, &truth, per_length, blur);
+        run_peer(bench, kind->name, PEER_HOUGH_GRADIENT_ALT, shrink, &photo, &truth, per_length, blur);
+        run_peer(bench, kind->name, PEER_HOUGH_GRADIENT_ALT, 1, &photo, &truth, per_length, blur);
+        run_peer(bench, kind->name, PEER_DISTANCE_TRANSFORM, shrink, &photo, &truth, per_length, blur);
+    }
+    photo_free(&photo);
+    table_free(&PHOTO_GRAINS, &truth);
+    return status;
+}
+
+static int chosen(int argc, char **argv, const char *name)
+{
+    int any = 0;
+    for (int k = 1; k + 1 < argc; k++)
+        if (!strcmp(argv[k], "--case")) {
+            any = 1;
+            if (!strcmp(argv[k + 1], name))
+                return 1;
+        }
+    return !any;
+}
+
+static int run(struct bench *bench, int argc, char **argv)
+{
+    if (packed_grains(bench->seed, bench->grains, &bench->truth, &bench->width, &bench->height))
+        return -1;
+    printf("%zu grains, %d x %d px, seed %llu; CPU seconds of one thread without decoding\n", bench->truth.count,
+           bench->width, bench->height, (unsigned long long)bench->seed);
+    printf("photo        method             found false centre  radius      bias        x  err/s:c     r  err/bound:c "
+           "r    CPU\n");
+    for (const struct kind *kind = kinds; kind->name; kind++)
+        if (chosen(argc, argv, kind->name) && run_case(bench, kind))
+            return -1;
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    struct bench bench = {.seed = 2024, .grains = 300, .first = 1};
+    for (int k = 1; k < argc; k++) {
+        const char *next = k + 1 < argc ? argv[k + 1] : "";
+        if (!strcmp(argv[k], "--seed"))
+            bench.seed = strtoull(next, NULL, 10);
+        else if (!strcmp(argv[k], "--grains"))
+            bench.grains = strtol(next, NULL, 10);
+        else if (!strcmp(argv[k], "--peers"))
+            bench.peers = 1;
+        else if (!strcmp(argv[k], "--save"))
+            bench.save = next;
+        else if (!strcmp(argv[k], "--json"))
+            bench.json = fopen(next, "w");
+    }
+    if (bench.json)
+        fputs("[\n", bench.json);
+    int status = run(&bench, argc, argv);
+    if (bench.json) {
+        fputs("\n]\n", bench.json);
+        fclose(bench.json);
+    }
+    if (status)
+        fprintf(stderr, "bench_findgrains: %s\n", error_message());
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    printf("peak memory %.0f MB (the rendering included)\n", (double)usage.ru_maxrss / 1024);
+    table_free(&PHOTO_GRAINS, &bench.truth);
+    return status ? 1 : 0;
+}
