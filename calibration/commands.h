@@ -6,6 +6,8 @@
 
 int command_friction(int argc, char **argv);
 int command_hertz(int argc, char **argv);
+int command_lens(int argc, char **argv);
+int command_scale(int argc, char **argv);
 
 /* Write a calibration file (JSON, doubles with 17 digits) whole or not at all; takes the object. */
 int calibration_write(const char *path, cJSON *object);

@@ -9,6 +9,8 @@ static const struct command {
     int (*run)(int argc, char **argv);
     const char *what;
 } commands[] = {
+    {"lens", command_lens, "distortion of the lens from photos of a moved plate"},
+    {"scale", command_scale, "metres per pixel from known lengths"},
     {"friction", command_friction, "friction between grains from three-rod tests"},
     {"hertz", command_hertz, "grain moduli from packing moduli, closed form"},
 };

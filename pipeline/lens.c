@@ -48,7 +48,10 @@ struct vec lens_seen(const struct lens *lens, struct vec corrected)
 
 static int read_parameters(const struct json *json, struct lens *lens)
 {
-    static const char *const keys[] = {"schema", "map", "centre_px", "K", "P", NULL};
+    /* The first five are needed; the others say where the lens comes from (calibration lens). */
+    static const char *const keys[] = {"schema",   "map",        "centre_px",  "K",        "P",
+                                       "size_px",  "photos",     "points",     "left_out", "rms_px",
+                                       "s_map_px", "largest_px", "covariance", NULL};
     static const char *const schemas[] = {"film.lens/1", NULL}, *const maps[] = {"corrected from seen", NULL};
     const cJSON *root = json_root(json);
     double centre[2];
