@@ -93,7 +93,7 @@ static int learn(const struct grains *grains, const struct pairs *pairs, double 
             x[n] = pair->overlap;
             s[n++] = pair->s_overlap;
         }
-        pair_statistics_fit(x, s, n, window, statistics);
+        pair_statistics_fit(x, s, n, window, NULL, statistics);
     }
     int status = x && s ? 0 : error_memory("overlaps");
     free(x);

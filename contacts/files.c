@@ -41,15 +41,28 @@ int photo_state_is_reference(const struct photo_state *state, const struct scene
     return state->grains.x_ref_px == NULL;
 }
 
-char *contact_options_text(const struct contact_options *options)
+static int add(cJSON *object, const char *name, double value)
+{
+    return cJSON_AddNumberToObject(object, name, value) != NULL;
+}
+
+char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary)
 {
     cJSON *object = cJSON_CreateObject();
     char *text = NULL;
-    if (object && cJSON_AddNumberToObject(object, "radius_scale", options->radius_scale) &&
-        cJSON_AddNumberToObject(object, "radius_offset_px", options->radius_offset_px) &&
-        cJSON_AddNumberToObject(object, "candidate_sigmas", options->candidate_sigmas) &&
-        cJSON_AddNumberToObject(object, "frame_error_px", options->frame_error_px) &&
-        (!isfinite(options->tolerance_px) || cJSON_AddNumberToObject(object, "tolerance_px", options->tolerance_px)))
+    int good = object && add(object, "radius_scale", summary->radius_scale) &&
+               add(object, "radius_offset_px", summary->radius_offset_px) &&
+               add(object, "candidate_sigmas", options->candidate_sigmas) &&
+               add(object, "frame_error_px", options->frame_error_px);
+    if (good && options->radius_scale_auto)
+        good = add(object, "s_radius_scale", summary->s_radius_scale);
+    if (good && options->radius_offset_auto)
+        good = add(object, "s_radius_offset_px", summary->s_radius_offset_px);
+    if (good && isfinite(options->tolerance_px))
+        good = add(object, "tolerance_px", options->tolerance_px);
+    if (good && summary->undecided)
+        good = cJSON_AddStringToObject(object, "radii_undecided", summary->undecided) != NULL;
+    if (good)
         text = json_print(object);
     cJSON_Delete(object);
     if (!text)

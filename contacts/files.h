@@ -16,7 +16,8 @@ void photo_state_free(struct photo_state *state); /* accepts a zeroed struct */
 /* Is this the reference photo of the scene (or the only photo)? */
 int photo_state_is_reference(const struct photo_state *state, const struct scene *scene);
 
-/* The options as the JSON text of the attribute `parameters`, to be freed. */
-char *contact_options_text(const struct contact_options *options);
+/* The options as used, and the errors of what was found automatically, as the JSON text of the attribute `parameters`;
+ * to be freed. */
+char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary);
 
 #endif

@@ -5,6 +5,7 @@
 #include "contacts/candidates.h"
 #include "contacts/frame.h"
 #include "contacts/motion.h"
+#include "contacts/radius_offset.h"
 #include "contacts/si_grains.h"
 #include "contacts/stability.h"
 #include "pipeline/error.h"
@@ -12,10 +13,15 @@
 /* A pair counts as contact from this probability on: a lost contact costs more than a false one (thesis 3.4.2). */
 #define CONTACT_PROBABILITY 0.25
 
+/* Radii are corrected automatically by no more than this, px and share of the median radius. */
+#define WIDEST_OFFSET_PX 2.0
+#define WIDEST_OFFSET 0.05
+
 /* What one run holds between its steps. */
 struct search {
     const struct contact_input *input;
-    const struct contact_options *options;
+    struct contact_options options; /* with the radius correction that is used */
+    struct radius_correction correction;
     struct packing *packing;
     struct vec *reference; /* positions in the reference; NULL: this is it, or unknown */
     struct pairs pairs;
@@ -40,6 +46,8 @@ static int check_input(const struct contact_input *input, const struct contact_o
                            previous->grains.count, input->grains->count);
     if (!(options->radius_scale > 0) || !(options->candidate_sigmas >= 0) || !(options->frame_error_px >= 0))
         return error_input("radius scale, candidate range and frame error must not be negative");
+    if (options->radius_scale_auto && options->radius_offset_auto)
+        return error_input("radius scale and offset cannot both be \"auto\", they change the overlaps alike: give one");
     return 0;
 }
 
@@ -54,14 +62,14 @@ static double probability_of(const struct search *search, const struct pair *pai
 /* The largest gap that the user calls a contact, m; 0 without a tolerance. */
 static double tolerance_of(const struct search *search)
 {
-    double tolerance = search->options->tolerance_px * search->input->scene->scale;
+    double tolerance = search->options.tolerance_px * search->input->scene->scale;
     return tolerance > 0 ? tolerance : 0;
 }
 
 /* Keep what overlaps, and what may. */
 static int is_contact(const struct search *search, const struct pair *pair)
 {
-    double tolerance = search->options->tolerance_px;
+    double tolerance = search->options.tolerance_px;
     if (isfinite(tolerance))
         return pair->overlap > -tolerance * search->input->scene->scale;
     return probability_of(search, pair) > CONTACT_PROBABILITY;
@@ -72,7 +80,7 @@ static size_t keep_likely(struct search *search)
     size_t kept = 0;
     for (size_t p = 0; p < search->pairs.count; p++) {
         struct pair pair = search->pairs.pair[p];
-        if (is_contact(search, &pair) || pair.overlap > -search->options->candidate_sigmas * pair.s_overlap)
+        if (is_contact(search, &pair) || pair.overlap > -search->options.candidate_sigmas * pair.s_overlap)
             search->pairs.pair[kept++] = pair;
     }
     return search->pairs.count = kept;
@@ -116,7 +124,7 @@ static void move_since_reference(struct search *search)
         } else if (search->reference) {
             struct contact_motion motion =
                 contact_motion(&search->packing->grains, &search->packing->walls, pair, &before);
-            if (!(motion.overlap_before > -search->options->candidate_sigmas * pair->s_overlap))
+            if (!(motion.overlap_before > -search->options.candidate_sigmas * pair->s_overlap))
                 continue;
             contacts->un[c] = motion.un;
             contacts->ut[c] = motion.ut;
@@ -192,6 +200,52 @@ static int compare_with_previous(struct search *search)
     return 0;
 }
 
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_radius(const struct photo_grains *grains)
+{
+    double *radii = malloc((grains->count + 1) * sizeof *radii), value = 0;
+    size_t n = 0;
+    for (size_t k = 0; radii && k < grains->count; k++)
+        if (isfinite(grains->radius_px[k]))
+            radii[n++] = grains->radius_px[k];
+    if (n) {
+        qsort(radii, n, sizeof *radii, by_value);
+        value = radii[n / 2];
+    }
+    free(radii);
+    return value;
+}
+
+/* Find the automatic correction of the radii from the pairs as they are, put it into the options, and start again. */
+static int correct_radii(struct search *search)
+{
+    struct contact_options *options = &search->options;
+    double scale = search->input->scene->scale;
+    double reach = scale * fmin(WIDEST_OFFSET_PX, WIDEST_OFFSET * median_radius(search->input->grains));
+    enum correction_kind kind = options->radius_scale_auto ? CORRECT_SCALE : CORRECT_OFFSET;
+    struct grains *grains = &search->packing->grains;
+    if (!options->radius_scale_auto && !options->radius_offset_auto)
+        return 0;
+    int status =
+        candidates_between_grains(grains, options->candidate_sigmas, 2 * reach, &search->pairs, &search->statistics);
+    if (status == 0)
+        status = radius_correction_estimate(grains, &search->pairs, kind, &search->correction);
+    pairs_free(&search->pairs);
+    if (status)
+        return -1;
+    if (kind == CORRECT_SCALE)
+        options->radius_scale *= 1 + search->correction.value;
+    else
+        options->radius_offset_px += search->correction.value / scale;
+    table_free(&GRAINS, grains);
+    return si_grains(search->input, options, grains);
+}
+
 static int build(struct search *search)
 {
     struct packing *packing = search->packing;
@@ -199,10 +253,10 @@ static int build(struct search *search)
                                     .grains = &packing->grains,
                                     .patches = search->input->patches,
                                     .statistics = &search->statistics,
-                                    .frame_error_px = search->options->frame_error_px};
-    if (si_grains(search->input, search->options, &packing->grains) ||
+                                    .frame_error_px = search->options.frame_error_px};
+    if (si_grains(search->input, &search->options, &packing->grains) || correct_radii(search) ||
         si_reference(search->input, &search->reference) ||
-        candidates_between_grains(&packing->grains, search->options->candidate_sigmas, tolerance_of(search),
+        candidates_between_grains(&packing->grains, search->options.candidate_sigmas, tolerance_of(search),
                                   &search->pairs, &search->statistics))
         return -1;
     request.reference = search->reference;
@@ -225,12 +279,6 @@ static int build(struct search *search)
     return stability_flag(packing);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_error(const struct pairs *pairs)
 {
     double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
@@ -248,10 +296,16 @@ static void summarise(const struct search *search, struct contact_summary *summa
 {
     const struct packing *packing = search->packing;
     double scale = search->input->scene->scale;
-    *summary = (struct contact_summary){.grains = packing->grains.count,
-                                        .mean_overlap_px = pair_mean_overlap(&search->statistics) / scale,
-                                        .resting_share = search->statistics.resting,
-                                        .s_overlap_px = median_error(&search->pairs) / scale};
+    *summary = (struct contact_summary){
+        .grains = packing->grains.count,
+        .mean_overlap_px = pair_mean_overlap(&search->statistics) / scale,
+        .radius_scale = search->options.radius_scale,
+        .radius_offset_px = search->options.radius_offset_px,
+        .s_radius_scale = search->options.radius_scale_auto ? search->correction.error : 0,
+        .s_radius_offset_px = search->options.radius_offset_auto ? search->correction.error / scale : 0,
+        .undecided = search->correction.why,
+        .resting_share = search->statistics.resting,
+        .s_overlap_px = median_error(&search->pairs) / scale};
     for (size_t k = 0; k < packing->grains.count; k++) {
         summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;
         summary->rattlers += (packing->grains.flags[k] & GRAIN_RATTLER) != 0;
@@ -268,7 +322,7 @@ static void summarise(const struct search *search, struct contact_summary *summa
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
                   struct contact_summary *summary)
 {
-    struct search search = {.input = input, .options = options, .packing = packing};
+    struct search search = {.input = input, .options = *options, .packing = packing};
     int status = check_input(input, options);
     if (status == 0)
         status = build(&search);

@@ -8,8 +8,9 @@
 #include "pipeline/scene.h"
 
 struct contact_options {
-    double radius_scale;     /* every radius times this, */
-    double radius_offset_px; /* plus this */
+    int radius_scale_auto, radius_offset_auto; /* 1: found from the photo; not both */
+    double radius_scale;                       /* every radius times this, */
+    double radius_offset_px;                   /* plus this */
     double tolerance_px;     /* NaN: decide by probability; else a contact is what overlaps more than -tolerance */
     double candidate_sigmas; /* pairs whose overlap is within so many standard errors of zero are kept */
     double frame_error_px;   /* standard error of the frame's corners in the scene; 0: exact */
@@ -32,12 +33,17 @@ struct contact_summary {
     size_t grains, unusable; /* rows; rows with a number missing: they touch nothing */
     size_t contacts, wall_contacts, candidates;
     size_t rattlers, floating;
-    double mean_overlap_px, s_overlap_px; /* of touching pairs; median standard error of an overlap */
-    double resting_share;                 /* of near pairs: those that rest at zero overlap */
+    double mean_overlap_px, s_overlap_px;      /* of touching pairs; median standard error of an overlap */
+    double radius_scale, radius_offset_px;     /* as used */
+    double s_radius_scale, s_radius_offset_px; /* of an automatic one; 0: given */
+    const char *undecided;                     /* why an automatic one was left out; NULL: it was not */
+    double resting_share;                      /* of near pairs: those that rest at zero overlap */
 };
 
 /* The options of the scene's section "contacts"; what it does not name stays as it is. */
 int contact_options_read(const struct scene *scene, struct contact_options *options);
+/* An automatic correction holds for a whole series, as the radii do: take it from the previous state's parameters. */
+int contact_options_follow(const struct packing *previous, struct contact_options *options);
 
 /* packing must be zeroed; it is left empty on failure. packing->info.strain is the strain between the walls. Loads
  * are not applied (loads_apply). summary may be NULL. */

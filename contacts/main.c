@@ -17,8 +17,9 @@ enum { PREVIOUS = 256, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE };
 static const struct argp_option option_list[] = {
     {"previous", PREVIOUS, "FILE", 0, "Contacts of the previous photo: relative motions since then, and what is new",
      0},
-    {"radius-scale", RADIUS_SCALE, "X", 0, "Multiply every radius by X (1)", 0},
-    {"radius-offset", RADIUS_OFFSET, "PX", 0, "Add PX pixels to every radius (0)", 0},
+    {"radius-scale", RADIUS_SCALE, "X|auto", 0, "Multiply every radius by X (1); auto: found from the overlaps", 0},
+    {"radius-offset", RADIUS_OFFSET, "PX|auto", 0, "Add PX pixels to every radius (0); auto: found from the overlaps",
+     0},
     {"tolerance", TOLERANCE, "PX", 0,
      "Take as contact what overlaps more than -PX pixels (default: what touches with a probability above one quarter)",
      0},
@@ -35,10 +36,16 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         arguments->previous = arg;
         return 0;
     case RADIUS_SCALE:
-        arguments->given.radius_scale = cli_number(state, "radius-scale", arg, 0.5, 2);
+        if (strcmp(arg, "auto"))
+            arguments->given.radius_scale = cli_number(state, "radius-scale", arg, 0.5, 2);
+        else
+            arguments->given.radius_scale_auto = 1;
         return 0;
     case RADIUS_OFFSET:
-        arguments->given.radius_offset_px = cli_number(state, "radius-offset", arg, -1000, 1000);
+        if (strcmp(arg, "auto"))
+            arguments->given.radius_offset_px = cli_number(state, "radius-offset", arg, -1000, 1000);
+        else
+            arguments->given.radius_offset_auto = 1;
         return 0;
     case TOLERANCE:
         arguments->given.tolerance_px = cli_number(state, "tolerance", arg, -1000, 1000);
@@ -63,18 +70,25 @@ static int choose_options(const struct arguments *arguments, const struct scene 
     const struct contact_options *given = &arguments->given;
     if (contact_options_read(scene, options))
         return -1;
-    options->radius_scale = isfinite(given->radius_scale) ? given->radius_scale : options->radius_scale;
-    options->radius_offset_px = isfinite(given->radius_offset_px) ? given->radius_offset_px : options->radius_offset_px;
+    if (isfinite(given->radius_scale) || given->radius_scale_auto) {
+        options->radius_scale_auto = given->radius_scale_auto;
+        options->radius_scale = given->radius_scale_auto ? 1 : given->radius_scale;
+    }
+    if (isfinite(given->radius_offset_px) || given->radius_offset_auto) {
+        options->radius_offset_auto = given->radius_offset_auto;
+        options->radius_offset_px = given->radius_offset_auto ? 0 : given->radius_offset_px;
+    }
     options->tolerance_px = isfinite(given->tolerance_px) ? given->tolerance_px : options->tolerance_px;
     return 0;
 }
 
 static int write_packing(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
-                         const struct contact_options *options, struct packing *packing)
+                         const struct contact_options *options, const struct contact_summary *summary,
+                         const struct packing *packing)
 {
     const char *inputs[] = {arguments->cli.scene, arguments->input, arguments->previous};
     struct provenance provenance = PROVENANCE_DEFAULT;
-    char *parameters = contact_options_text(options);
+    char *parameters = contact_options_text(options, summary);
     if (!parameters)
         return -1;
     provenance.stage = "contacts";
@@ -97,7 +111,9 @@ static void tell(const struct contact_summary *summary)
               (double)summary->contacts, "wall_contacts", (double)summary->wall_contacts, "candidates",
               (double)summary->candidates, "rattlers", (double)summary->rattlers, "floating", (double)summary->floating,
               "mean_overlap_px", summary->mean_overlap_px, "s_overlap_px", summary->s_overlap_px, "resting_share",
-              summary->resting_share, NULL);
+              summary->resting_share, "radius_scale", summary->radius_scale, "radius_offset_px",
+              summary->radius_offset_px, "s_radius_scale", summary->s_radius_scale, "s_radius_offset_px",
+              summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0, NULL);
 }
 
 static int run(const struct arguments *arguments)
@@ -114,6 +130,8 @@ static int run(const struct arguments *arguments)
         status = photo_state_read(arguments->input, &photo);
     if (status == 0 && arguments->previous)
         status = packing_read(arguments->previous, &previous);
+    if (status == 0)
+        status = contact_options_follow(&previous, &options);
     struct contact_input input = {.scene = &scene,
                                   .grains = &photo.grains,
                                   .patches = &photo.patches,
@@ -124,7 +142,7 @@ static int run(const struct arguments *arguments)
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
-        status = write_packing(arguments, &scene, &photo, &options, &packing);
+        status = write_packing(arguments, &scene, &photo, &options, &summary, &packing);
     if (status == 0) {
         tell(&summary);
         status = cli_flagged(&arguments->cli, summary.unusable, summary.grains, "grains without position or radius");

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-enum { MAX_ROUNDS = 300 };
-#define CONVERGED 1e-7 /* relative change of every number */
+enum { MAX_ROUNDS = 200, MAX_ROUNDS_NEAR = 25 };
+#define CONVERGED 1e-5 /* relative change of every number */
 #define LOG_ROOT_2PI 0.91893853320467274
 /* Pseudo-pairs: what is believed before any pair has been seen. */
 #define PRIOR_TOUCHING 2.0
@@ -119,12 +119,18 @@ static double improve(const double *x, const double *s, size_t count, const stru
                 fmax(fabs(log(st->scale / old.scale)), fabs(st->flat - old.flat)));
 }
 
-void pair_statistics_fit(const double *x, const double *s, size_t count, double window, struct pair_statistics *st)
+void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
+                         const struct pair_statistics *start, struct pair_statistics *st)
 {
-    *st = (struct pair_statistics){.window = window};
-    first_guess(x, s, count, st);
-    struct pair_statistics guess = *st;
-    for (int round = 0; round < MAX_ROUNDS; round++)
+    struct pair_statistics guess = {.window = window};
+    first_guess(x, s, count, &guess);
+    *st = guess;
+    if (start) {
+        *st = *start;
+        st->window = window;
+        st->pairs = guess.pairs;
+    }
+    for (int round = 0; round < (start ? MAX_ROUNDS_NEAR : MAX_ROUNDS); round++)
         if (improve(x, s, count, &guess, st) < CONVERGED)
             break;
 }

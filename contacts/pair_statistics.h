@@ -24,9 +24,10 @@ struct pair_statistics {
     double log_likelihood;           /* of these pairs, with the density in 1/m */
 };
 
-/* x, s: overlaps and their standard errors, m; pairs with x < -window are left out. */
+/* x, s: overlaps and their standard errors, m; pairs with x < -window are left out. start (NULL: none): statistics of
+ * nearly the same overlaps, from where fewer rounds are needed. */
 void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
-                         struct pair_statistics *statistics);
+                         const struct pair_statistics *start, struct pair_statistics *statistics);
 
 /* Probabilities of the three cases, and the log of the summed density. */
 struct pair_odds {

@@ -431,6 +431,74 @@ static void test_peeling(void **state)
     setup_free(&s);
 }
 
+/* A square lattice of grains whose neighbours overlap exponentially (mean 0.2 px) or, one pair in eight, are up to
+ * 1 px apart. Rows and columns are independent chains, so that every overlap can be chosen; radii are then seen with an
+ * error of 0.02 px and too large or too small by `offset`. */
+static struct setup lattice_seen(size_t side, double offset, double factor, uint64_t *seed)
+{
+    struct setup s = setup_new(side * side);
+    add_column(&s, "s_radius", &s.grains.s_radius, 0.02);
+    const double r = 30;
+    for (size_t row = 0; row < side; row++) {
+        double x = 0;
+        for (size_t column = 0; column < side; column++) {
+            put(&s, row * side + column, x, 90 * (double)row, factor * r + offset + 0.02 * check_normal(seed));
+            double overlap = check_uniform(seed) < 0.125 ? -check_uniform(seed) : -0.2 * log(1 - check_uniform(seed));
+            x += 2 * r - overlap;
+        }
+    }
+    return s;
+}
+
+static void test_automatic_radius_offset(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    const double offsets[] = {-0.8, -0.3, 0, 0.3};
+    double squares = 0;
+    for (size_t k = 0; k < 4; k++) {
+        struct setup s = lattice_seen(30, offsets[k], 1, &seed);
+        s.options.radius_offset_auto = 1;
+        check_done(find(&s, NULL, 1));
+        assert_null(s.summary.undecided);
+        check_near(s.summary.radius_offset_px, -offsets[k], 0.02);
+        check_at_most(s.summary.s_radius_offset_px, 0.01);
+        squares += pow((s.summary.radius_offset_px + offsets[k]) / s.summary.s_radius_offset_px, 2);
+        setup_free(&s);
+    }
+    check_at_most(sqrt(squares / 4), 2);
+    struct setup s = lattice_seen(30, 0, 0.995, &seed);
+    s.options.radius_scale_auto = 1;
+    check_done(find(&s, NULL, 1));
+    check_near(s.summary.radius_scale, 1 / 0.995, 3e-4);
+    s.options.radius_offset_auto = 1; /* both: refused */
+    assert_int_equal(find(&s, NULL, 1), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    setup_free(&s);
+}
+
+/* Nothing to see: too few pairs, no pile-up. The radii stay as they are. */
+static void test_automatic_offset_says_when_it_cannot_tell(void **state)
+{
+    (void)state;
+    uint64_t seed = 12;
+    struct setup s = lattice_seen(5, 0.3, 1, &seed);
+    s.options.radius_offset_auto = 1;
+    check_done(find(&s, NULL, 1));
+    assert_non_null(s.summary.undecided);
+    check_near(s.summary.radius_offset_px, 0, 0);
+    setup_free(&s);
+    s = setup_new(400); /* loose grains, gaps spread evenly over 12 px */
+    for (size_t k = 0; k < 400; k++)
+        put(&s, k, k % 2 ? 60.2 + 12 * check_uniform(&seed) : 0, 100 * (double)(k / 2), 30);
+    add_column(&s, "s_radius", &s.grains.s_radius, 0.02);
+    s.options.radius_offset_auto = 1;
+    check_done(find(&s, NULL, 1));
+    assert_non_null(s.summary.undecided);
+    check_near(s.summary.radius_offset_px, 0, 0);
+    setup_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -450,6 +518,8 @@ int main(void)
         cmocka_unit_test(test_elliptic_rims),
         cmocka_unit_test(test_error_of_an_overlap),
         cmocka_unit_test(test_peeling),
+        cmocka_unit_test(test_automatic_radius_offset),
+        cmocka_unit_test(test_automatic_offset_says_when_it_cannot_tell),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

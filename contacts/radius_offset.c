@@ -1,0 +1,181 @@
+#include "contacts/radius_offset.h"
+
+#include <stdlib.h>
+
+#include "pipeline/error.h"
+
+enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 15, ZOOMS = 3 };
+#define LEAST_CONTRAST 3.0 /* density of touching over that of apart pairs at zero, below which there is no pile-up */
+
+#define HIDDEN 0.5  /* a zero known no better than to this share of the mean overlap tells nothing, */
+#define BLURRED 1.2 /* nor do overlaps whose errors are larger than their mean by this factor */
+
+/* The pairs near the pile-up: overlap, error, lever (d overlap / d correction). */
+struct sample {
+    double *x, *s, *lever, *moved;
+    size_t count;
+    double lowest, mean_lever; /* only x / lever >= lowest are in the sample */
+};
+
+static void sample_free(struct sample *sample)
+{
+    free(sample->x);
+    free(sample->s);
+    free(sample->lever);
+    free(sample->moved);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static int trusted(const struct grains *grains, const struct pair *pair)
+{
+    return !((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST) && isfinite(pair->overlap);
+}
+
+static int sample_take(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,
+                       struct sample *sample)
+{
+    size_t stride = pairs->count / MAX_PAIRS + 1, room = pairs->count / stride + 2;
+    *sample = (struct sample){.x = malloc(room * sizeof(double)),
+                              .s = malloc(room * sizeof(double)),
+                              .lever = malloc(room * sizeof(double)),
+                              .moved = malloc(room * sizeof(double))};
+    if (!sample->x || !sample->s || !sample->lever || !sample->moved)
+        return error_memory("overlaps");
+    for (size_t p = 0; p < pairs->count; p += stride) {
+        const struct pair *pair = &pairs->pair[p];
+        if (!trusted(grains, pair))
+            continue;
+        sample->x[sample->count] = pair->overlap;
+        sample->s[sample->count] = pair->s_overlap;
+        sample->lever[sample->count++] = kind == CORRECT_OFFSET ? 2 : grains->radius[pair->i] + grains->radius[pair->j];
+    }
+    return 0;
+}
+
+/* The densest stretch that holds a quarter of the touching pairs, found without knowing how many touch: among windows
+ * that hold k neighbouring values, k growing from a tenth to a third of all, the densest one of the smallest k. */
+static double densest(const double *sorted, size_t count, double share)
+{
+    size_t k = (size_t)(share * (double)count), best = 0;
+    for (size_t a = 0; a + k < count; a++)
+        if (sorted[a + k] - sorted[a] < sorted[best + k] - sorted[best])
+            best = a;
+    return 0.5 * (sorted[best] + sorted[best + k]);
+}
+
+/* Where the pile-up is and how wide its upper flank: the mode of x / lever, and the mean beyond it. */
+static void find_pile(const struct sample *sample, double *mode, double *width)
+{
+    double *y = sample->moved, sum = 0, beyond = 0;
+    for (size_t k = 0; k < sample->count; k++)
+        y[k] = sample->x[k] / sample->lever[k];
+    qsort(y, sample->count, sizeof *y, by_value);
+    *mode = densest(y, sample->count, 0.2);
+    for (size_t k = 0; k < sample->count; k++)
+        if (y[k] > *mode) {
+            sum += y[k] - *mode;
+            beyond++;
+        }
+    *width = beyond > 0 ? sum / beyond : 0;
+}
+
+/* Leave out pairs far below the pile-up, where the density of gaps is no longer that near zero. */
+static void sample_cut(struct sample *sample, double lowest)
+{
+    size_t kept = 0;
+    sample->mean_lever = 0;
+    for (size_t k = 0; k < sample->count; k++)
+        if (sample->x[k] / sample->lever[k] >= lowest) {
+            sample->x[kept] = sample->x[k];
+            sample->s[kept] = sample->s[k];
+            sample->mean_lever += sample->lever[k];
+            sample->lever[kept++] = sample->lever[k];
+        }
+    sample->count = kept;
+    sample->lowest = lowest;
+    sample->mean_lever /= (double)(kept ? kept : 1);
+}
+
+static double log_likelihood(const struct sample *sample, double correction, struct pair_statistics *st)
+{
+    double window = -(sample->lowest + correction) * sample->mean_lever;
+    if (!(window > 0))
+        return -INFINITY;
+    for (size_t k = 0; k < sample->count; k++)
+        sample->moved[k] = sample->x[k] + correction * sample->lever[k];
+    struct pair_statistics start = *st;
+    pair_statistics_fit(sample->moved, sample->s, sample->count, window * 1.000001, st->pairs ? &start : NULL, st);
+    return st->log_likelihood;
+}
+
+static double median_error(const struct sample *sample)
+{
+    for (size_t k = 0; k < sample->count; k++)
+        sample->moved[k] = sample->s[k];
+    qsort(sample->moved, sample->count, sizeof *sample->moved, by_value);
+    return sample->count ? sample->moved[sample->count / 2] : 0;
+}
+
+/* Greatest likelihood over [low, high], zooming in on the best trial; the curvature from the last three. */
+static void maximise(const struct sample *sample, double low, double high, struct radius_correction *correction)
+{
+    struct pair_statistics st = {0};
+    double first_low = low, first_high = high, value[TRIALS], step = 0;
+    int best = 0;
+    for (int zoom = 0; zoom < ZOOMS; zoom++) {
+        step = (high - low) / (TRIALS - 1);
+        for (int t = 0; t < TRIALS; t++) {
+            value[t] = log_likelihood(sample, low + t * step, &st);
+            best = t == 0 || value[t] > value[best] ? t : best;
+        }
+        if (best == 0 || best == TRIALS - 1 || value[best] - fmin(value[best - 1], value[best + 1]) < 0.5)
+            break;
+        low += (best - 2) * step;
+        high = low + 4 * step;
+    }
+    correction->value = low + best * step;
+    if (correction->value <= first_low || correction->value >= first_high) {
+        correction->why = "the pile-up of contacts has no lower edge";
+        return;
+    }
+    int inner = best < 1 ? 1 : best > TRIALS - 2 ? TRIALS - 2 : best;
+    double bend = value[inner - 1] - 2 * value[inner] + value[inner + 1];
+    correction->error = bend < 0 ? step / sqrt(-bend) : INFINITY;
+    log_likelihood(sample, correction->value, &st);
+    struct pair_odds odds = pair_odds(&st, 0, 0);
+    if ((odds.touching + odds.resting) < LEAST_CONTRAST * odds.apart)
+        correction->why = "contacts do not pile up against gaps";
+    else if (median_error(sample) > BLURRED * pair_mean_overlap(&st) || !isfinite(correction->error) ||
+             correction->error * sample->mean_lever > HIDDEN * pair_mean_overlap(&st))
+        correction->why = "the errors of the overlaps hide the edge";
+    else
+        correction->decided = 1;
+}
+
+int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,
+                               struct radius_correction *correction)
+{
+    struct sample sample;
+    double mode, width;
+    *correction = (struct radius_correction){0};
+    if (sample_take(grains, pairs, kind, &sample)) {
+        sample_free(&sample);
+        return -1;
+    }
+    if (sample.count < LEAST_PAIRS) {
+        correction->why = "too few pairs";
+    } else {
+        find_pile(&sample, &mode, &width);
+        sample_cut(&sample, mode - 4 * width);
+        maximise(&sample, -mode - width, -mode + 3 * width, correction);
+    }
+    if (!correction->decided)
+        correction->value = correction->error = 0;
+    sample_free(&sample);
+    return 0;
+}

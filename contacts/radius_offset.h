@@ -1,0 +1,24 @@
+/* What must be added to every radius, from the photo alone. A grey threshold that is a little off moves every rim
+ * alike, so every overlap by the same amount (two radii), and the pile-up of contacts no longer begins at zero. The
+ * density of pair_statistics.h, its zero moved along, is fitted to the overlaps near the pile-up for a row of trial
+ * corrections; the correction of greatest likelihood is the estimate, and the curvature of the log-likelihood there
+ * gives its standard error. A factor on the radii is found in the same way with the lever R_i + R_j instead of 2. */
+#ifndef CONTACTS_RADIUS_OFFSET_H
+#define CONTACTS_RADIUS_OFFSET_H
+
+#include "contacts/candidates.h"
+
+enum correction_kind { CORRECT_OFFSET, CORRECT_SCALE };
+
+struct radius_correction {
+    int decided;     /* 0: the data cannot tell, value is 0 */
+    double value;    /* m to add to every radius; or the factor less 1 */
+    double error;    /* its standard error */
+    const char *why; /* when undecided */
+};
+
+/* Every pair counts whose grains are trusted. */
+int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,
+                               struct radius_correction *correction);
+
+#endif
