@@ -6,5 +6,7 @@ int command_map(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_page(int argc, char **argv);
 int command_export(int argc, char **argv);
+int command_film(int argc, char **argv);
+int command_budget(int argc, char **argv);
 
 #endif

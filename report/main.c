@@ -13,7 +13,9 @@ static const struct command {
     {"map", "report map", command_map, "a picture of the contact forces, PNG or SVG"},
     {"compare", "report compare", command_compare, "one state file against another, or against the truth"},
     {"page", "report page", command_page, "one HTML page about a whole series"},
-    {"export", "report export", command_export, "a state file as CSV, XYZ, CONF or dic_out text"},
+    {"export", "report export", command_export, "state files as CSV, XYZ, LAMMPS dump, ParaView series, CONF, dic_out"},
+    {"film", "report film", command_film, "the force maps of a series as frames in one view"},
+    {"budget", "report budget", command_budget, "the error of forces to expect, before going to the lab"},
 };
 
 static void print_help(void)

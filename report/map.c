@@ -16,11 +16,7 @@ static const double FULL_TURN = 6.283185307179586;
 
 /* ---- the view ---- */
 
-struct box {
-    double x0, y0, x1, y1;
-};
-
-static void box_add(struct box *box, double x, double y, double r)
+static void widen(struct map_box *box, double x, double y, double r)
 {
     if (!isfinite(x) || !isfinite(y) || !isfinite(r))
         return;
@@ -30,18 +26,26 @@ static void box_add(struct box *box, double x, double y, double r)
     box->y1 = fmax(box->y1, y + r);
 }
 
+void map_box_add(struct map_box *box, const struct packing *packing)
+{
+    const struct grains *grains = &packing->grains;
+    const struct walls *walls = &packing->walls;
+    for (size_t k = 0; k < grains->count; k++)
+        widen(box, grains->x[k], grains->y[k], grains->radius[k]);
+    for (size_t w = 0; w < walls->count; w++) {
+        widen(box, walls->x0[w], walls->y0[w], wall_is_disc(walls, w) ? walls->radius[w] : 0);
+        if (!wall_is_disc(walls, w))
+            widen(box, walls->x1[w], walls->y1[w], 0);
+    }
+}
+
 int map_measure(struct map *map)
 {
-    struct box box = {INFINITY, INFINITY, -INFINITY, -INFINITY};
-    const struct grains *grains = &map->packing->grains;
-    const struct walls *walls = &map->packing->walls;
-    for (size_t k = 0; k < grains->count; k++)
-        box_add(&box, grains->x[k], grains->y[k], grains->radius[k]);
-    for (size_t w = 0; w < walls->count; w++) {
-        box_add(&box, walls->x0[w], walls->y0[w], wall_is_disc(walls, w) ? walls->radius[w] : 0);
-        if (!wall_is_disc(walls, w))
-            box_add(&box, walls->x1[w], walls->y1[w], 0);
-    }
+    struct map_box box = MAP_BOX_NONE;
+    if (map->box)
+        box = *map->box;
+    else
+        map_box_add(&box, map->packing);
     double across = box.x1 - box.x0, up = box.y1 - box.y0;
     if (!(across > 0) || !(up > 0))
         return error_input("no grain has a place: there is nothing to draw");
@@ -175,7 +179,7 @@ static double mean_radius(const struct grains *grains)
     return sum / (double)count;
 }
 
-static double mean_fn(const struct forces *forces)
+double map_mean_fn(const struct forces *forces)
 {
     double sum = 0;
     size_t loaded = 0;
@@ -189,7 +193,7 @@ static double mean_fn(const struct forces *forces)
 
 static double unit_fn(const struct map *map)
 {
-    return map->forces && isnan(map->mean_fn) ? mean_fn(map->forces) : map->mean_fn;
+    return map->forces && isnan(map->mean_fn) ? map_mean_fn(map->forces) : map->mean_fn;
 }
 
 static double line_width(const struct map *map, double fn)

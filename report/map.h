@@ -3,6 +3,7 @@
 #define REPORT_MAP_H
 
 #include <cairo.h>
+#include <math.h>
 
 #include "pipeline/packing.h"
 #include "pipeline/photo.h"
@@ -10,14 +11,28 @@
 
 #define MAP_WIDTH 1400
 
+/* A part of the plane, m. */
+struct map_box {
+    double x0, y0, x1, y1;
+};
+#define MAP_BOX_NONE                                                                                                   \
+    {                                                                                                                  \
+        INFINITY, INFINITY, -INFINITY, -INFINITY                                                                       \
+    }
+/* Widen the box by everything that a packing has: walls and rims. */
+void map_box_add(struct map_box *box, const struct packing *packing);
+/* <fn> over loaded contacts; NaN when none is loaded. N. */
+double map_mean_fn(const struct forces *forces);
+
 struct map {
     const struct packing *packing;
     const struct forces *forces; /* NULL: contacts only */
     const struct photo *photo;   /* background; NULL: circles */
     const struct scene *scene;   /* places the photo; NULL without one */
     const char *title;
-    double mean_fn; /* N: drawn as the unit of width; NaN: of this state */
-    double width;   /* px */
+    double mean_fn;            /* N: drawn as the unit of width; NaN: of this state */
+    double width;              /* px */
+    const struct map_box *box; /* what to show, m; NULL: this packing */
     /* set by map_measure() */
     double height, scale, x0, y1; /* px, px/m, m: left and top of the view */
     double view_height;           /* px, without the legend */

@@ -7,11 +7,14 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "report/budget.h"
 #include "report/canvas.h"
 #include "report/chart.h"
 #include "report/compare.h"
 #include "report/distribution.h"
 #include "report/export.h"
+#include "report/export_series.h"
+#include "report/film.h"
 #include "report/html.h"
 #include "report/map.h"
 #include "report/match.h"
@@ -409,7 +412,114 @@ static void test_other_exports(void **unused)
     loaded_free(&photo);
 }
 
+static int as_bonds(const struct loaded *loaded, FILE *stream)
+{
+    return export_lammps_local(loaded, "dem", stream);
+}
+
+static void test_lammps(void **unused)
+{
+    (void)unused;
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    make_chain(&loaded.packing);
+    loaded.packing.info.index = 7;
+    char *text = text_of(export_lammps, &loaded);
+    assert_int_equal(strncmp(text, "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n4\nITEM: BOX BOUNDS ff ff ff\n-0.01", 72),
+                     0);
+    assert_non_null(strstr(text, "ITEM: ATOMS id type x y z radius angle flags\n0 1 0 0 0 0.01 "));
+    free(text);
+    text = text_of(as_bonds, &loaded); /* three bonds; the wall contact is not one */
+    assert_non_null(strstr(text, "ITEM: NUMBER OF ENTRIES\n3\n"));
+    assert_non_null(strstr(text, "\n1 1 2 1.0000000000000001e-05 20 1\n"));
+    free(text);
+    assert_int_equal(export_lammps_local(&loaded, "qsm", stdout), -1);
+    loaded_free(&loaded);
+}
+
 /* ---- pictures and pages ---- */
+
+static void write_chain(const char *path, int64_t index, double shift)
+{
+    struct packing p;
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    make_chain(&p);
+    for (int k = 0; k < 4; k++) {
+        p.grains.mass[k] = p.grains.inertia[k] = 1;
+        p.grains.x[k] += shift;
+    }
+    p.forces->iterations = 77;
+    provenance.stage = "forces";
+    provenance.index = index;
+    provenance.time_s = 10 - (double)index; /* not the order of the names */
+    check_done(packing_write(path, &p, &provenance));
+    packing_free(&p);
+}
+
+static void png_size(const char *path, unsigned size[2])
+{
+    unsigned char head[24];
+    FILE *stream = fopen(path, "rb");
+    assert_non_null(stream);
+    assert_int_equal(fread(head, 1, sizeof head, stream), sizeof head);
+    fclose(stream);
+    for (int k = 0; k < 2; k++)
+        size[k] = (unsigned)head[16 + 4 * k] << 24 | (unsigned)head[17 + 4 * k] << 16 |
+                  (unsigned)head[18 + 4 * k] << 8 | head[19 + 4 * k];
+}
+
+/* Frames share one view, so that they have one size although the packing moves; the series is sorted by time. */
+static void test_film_and_series(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/test_report.XXXXXX", path[2][64], frames[64], output[64], frame[80], *text = NULL;
+    unsigned size[2][2];
+    size_t length;
+    assert_non_null(mkdtemp(folder));
+    for (int k = 0; k < 2; k++) {
+        snprintf(path[k], sizeof path[k], "%s/%04d.forces.hdf", folder, k);
+        write_chain(path[k], k, 0.03 * k);
+    }
+    char *paths[] = {path[0], path[1]};
+    struct film film = {.width = 300};
+    snprintf(frames, sizeof frames, "%s/frames", folder);
+    check_done(film_write(&film, paths, 2, frames));
+    for (int k = 0; k < 2; k++) {
+        snprintf(frame, sizeof frame, "%s/%04d.png", frames, k);
+        png_size(frame, size[k]);
+        remove(frame);
+    }
+    assert_int_equal(size[0][0], 300);
+    assert_memory_equal(size[0], size[1], sizeof size[0]);
+
+    snprintf(output, sizeof output, "%s/all.hdf.series", folder);
+    FILE *stream = open_memstream(&text, &length);
+    check_done(export_hdf_series(paths, 2, output, stream));
+    assert_int_equal(export_hdf_series(paths, 2, "elsewhere/all.hdf.series", stream), -1);
+    fclose(stream);
+    assert_non_null(
+        strstr(text, "[{\"name\":\"0001.forces.hdf\",\"time\":9},{\"name\":\"0000.forces.hdf\",\"time\":10}]"));
+    free(text);
+    remove(path[0]), remove(path[1]), remove(frames), remove(folder);
+}
+
+/* Round numbers: P L = 1e3 N/m, d = 0.01 m, z phi = pi: <fn> = 10 N; kn = 1e6: overlap 1e-5 m; 1e-4 m/px: 0.1 px. */
+static void test_budget(void **unused)
+{
+    (void)unused;
+    struct figures f = {.count = 0};
+    struct budget b = BUDGET_DEFAULT;
+    b.pressure = 1e5, b.length = 0.01, b.diameter = 0.01, b.z = M_PI, b.solid = 1, b.kn = 1e6, b.scale = 1e-4;
+    b.s_centre = 0.03, b.s_radius = 0.04, b.s_motion = 0.01;
+    budget_figures(&b, &f);
+    check_near(figures_value(&f, "kappa"), 1000, 1e-9);
+    check_near(figures_value(&f, "mean_fn_N"), 10, 1e-12);
+    check_near(figures_value(&f, "mean_overlap_px"), 0.1, 1e-12);
+    check_near(figures_value(&f, "s_overlap_px"), 0.05 * sqrt(2), 1e-12);
+    check_near(figures_value(&f, "overlap_force_error"), sqrt(0.5), 1e-12);
+    check_near(figures_value(&f, "mean_contact_missed"), 0.0786496035, 1e-9); /* normal tail beyond sqrt 2 */
+    check_near(figures_value(&f, "change_force_error"), 0.1 * sqrt(2), 1e-12);
+    check_near(figures_value(&f, "pressure_for_10_percent_Pa"), 1e5 * sqrt(50), 1e-3);
+}
 
 static const uint32_t BLUE = 0x0072B2;
 
@@ -482,24 +592,14 @@ static void test_html(void **unused)
     html_free(&html);
 }
 
-/* A series of one state whose Weber stress is far from the applied one, and a method that did not converge. */
+/* A series of one state with a method that did not converge, and a name that must not become markup. */
 static void test_page(void **unused)
 {
     (void)unused;
-    struct packing p;
-    struct provenance provenance = PROVENANCE_DEFAULT;
     char folder[] = "/tmp/test_report.XXXXXX", path[64];
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/0000.forces.hdf", folder);
-    make_chain(&p);
-    for (int k = 0; k < 4; k++)
-        p.grains.mass[k] = p.grains.inertia[k] = 1;
-    p.forces->iterations = 77;
-    provenance.stage = "forces";
-    provenance.index = 0;
-    check_done(packing_write(path, &p, &provenance));
-    packing_free(&p);
-
+    write_chain(path, 0, 0);
     char *paths[] = {path};
     struct series series;
     struct html html;
@@ -535,6 +635,9 @@ int main(void)
         cmocka_unit_test(test_map_widths),
         cmocka_unit_test(test_map_nothing),
         cmocka_unit_test(test_html),
+        cmocka_unit_test(test_lammps),
+        cmocka_unit_test(test_film_and_series),
+        cmocka_unit_test(test_budget),
         cmocka_unit_test(test_distribution),
         cmocka_unit_test(test_rose),
         cmocka_unit_test(test_chart),

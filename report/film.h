@@ -1,0 +1,16 @@
+/* The frames of a film: force maps of a series in one view and with one unit of width. */
+#ifndef REPORT_FILM_H
+#define REPORT_FILM_H
+
+#include "pipeline/scene.h"
+
+struct film {
+    const char *method;        /* NULL: the first one in each file */
+    const struct scene *scene; /* over its photos; NULL: over circles */
+    double width;              /* px */
+};
+
+/* One DIR/NAME.png per file, NAME: the file's base name up to its first dot. The folder is made when it is absent. */
+int film_write(const struct film *film, char *const paths[], size_t count, const char *folder);
+
+#endif
