@@ -208,11 +208,10 @@ static double stress_duration(const struct loading *loading, double change)
 
 static void set_isotropic(struct loading *loading, double amount, double share)
 {
-    static const double NEVER = 1e-3; /* a wall never pulls */
     struct servo *servo = &loading->servo;
     (void)share;
-    servo->stress_x = fmax(servo->stress_x + amount, NEVER * loading->pressure);
-    servo->stress_y = fmax(servo->stress_y + amount, NEVER * loading->pressure);
+    servo->stress_x = fmax(servo->stress_x + amount, SIMULATION_STRESS_MIN * loading->pressure);
+    servo->stress_y = fmax(servo->stress_y + amount, SIMULATION_STRESS_MIN * loading->pressure);
 }
 
 static void set_vertical(struct loading *loading, double amount, double share)

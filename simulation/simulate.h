@@ -88,6 +88,7 @@ struct simulation {
 #define SIMULATION_TIME_STEP_MAX 0.3
 #define SIMULATION_TOLERANCE 1e-7
 #define SIMULATION_MAX_STEPS 1000000
+#define SIMULATION_STRESS_MIN 1e-3 /* of the pressure: stress steps go no lower, walls only push */
 #define SIMULATION_DEFAULT                                                                                             \
     {                                                                                                                  \
         .seed = SIMULATION_SEED, .aspect = 1, .box = {NAN, NAN}, .kappa = NAN, .pressure = NAN,                        \

@@ -112,6 +112,20 @@ static int read_grains(const struct scene *scene, const cJSON *section, struct s
     return 0;
 }
 
+/* Walls only push: stress steps may not take the stress to nothing. */
+static int check_stresses(const struct scene *scene, const cJSON *section, const struct simulation *simulation)
+{
+    double stress = 1;
+    for (size_t k = 0; k < simulation->step_count; k++) {
+        stress += (double)simulation->steps[k].count * simulation->steps[k].amount;
+        if (stress < SIMULATION_STRESS_MIN)
+            return json_error(scene->json, cJSON_GetObjectItemCaseSensitive(section, "stress_steps"),
+                              "row %zu takes the stress to %g of the pressure: stay above %g", k, stress,
+                              SIMULATION_STRESS_MIN);
+    }
+    return 0;
+}
+
 static int read_steps(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     struct simulation *simulation = &plan->simulation;
@@ -140,6 +154,8 @@ static int read_steps(const struct scene *scene, const cJSON *section, struct si
                           : cycles     ? "cycles"
                                        : "steps",
                           key);
+    if (there > 0 && stress && check_stresses(scene, section, simulation))
+        return -1;
     if (there > 0 && isnan(simulation->kappa) && isnan(simulation->pressure))
         return json_error(scene->json, section, "a loading test starts from a pressure: give kappa or pressure_Pa");
     if (there > 0 && simulation->disc_count && isnan(simulation->box[0]))

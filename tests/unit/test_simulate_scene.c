@@ -138,6 +138,7 @@ static void mistakes_are_refused(void **state)
          "steps"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"test\": \"cyclic\", \"cycles\": [[1, 0.1]]}",
          "stress_amplitude"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"stress_steps\": [[1, 0.5], [5, -0.3]]}", "row 1"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"relax_at\": \"volume\"}", "relax_at"},
         {"[]", "simulation"},
     };
