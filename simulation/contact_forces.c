@@ -12,27 +12,25 @@ static int is_wall(const struct dem *dem, const struct dem_pair *pair)
     return (size_t)pair->j >= dem->count;
 }
 
-/* Normal and overlap now. */
-static void pair_geometry(const struct dem *dem, struct dem_pair *pair)
+/* Where a pair stands. */
+struct geometry {
+    double nx, ny, overlap;
+};
+
+static struct geometry pair_geometry(const struct dem *dem, const struct dem_pair *pair)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
     if (!is_wall(dem, pair)) {
         const struct dem_grain *h = &dem->grains[pair->j];
         double dx = h->x - g->x, dy = h->y - g->y, reach = g->radius + h->radius, square = dx * dx + dy * dy;
-        if (square >= reach * reach || square == 0) {
-            pair->overlap = 0;
-            return;
-        }
+        if (square >= reach * reach || square == 0)
+            return (struct geometry){0};
         double distance = sqrt(square);
-        pair->nx = dx / distance;
-        pair->ny = dy / distance;
-        pair->overlap = reach - distance;
-        return;
+        return (struct geometry){dx / distance, dy / distance, reach - distance};
     }
     const struct dem_side *side = &dem->box.side[(size_t)pair->j - dem->count];
-    pair->nx = -side->inward.x;
-    pair->ny = -side->inward.y;
-    pair->overlap = g->radius - vec_dot(vec_sub(vec(g->x, g->y), side->point), side->inward);
+    return (struct geometry){-side->inward.x, -side->inward.y,
+                             g->radius - vec_dot(vec_sub(vec(g->x, g->y), side->point), side->inward)};
 }
 
 /* Relative velocity of j at the contact (theory.md section 1), n and half the overlap in the middle of the step. */
@@ -56,22 +54,25 @@ static void pair_velocity(const struct dem *dem, const struct dem_pair *pair, st
     *ut = -vx * n.y + vy * n.x - turning;
 }
 
-/* Spring, dashpot, friction after a step from the geometry `old`; what friction and dashpot take goes to *lost. */
-static void pair_force(const struct dem *dem, struct dem_pair *pair, size_t p, const struct dem_pair *old, double mu,
+/* Spring, dashpot, friction after the step to the geometry `to`; what friction and dashpot take goes to *lost. */
+static void pair_force(const struct dem *dem, struct dem_pair *pair, size_t p, struct geometry to, double mu,
                        struct instant now, double *lost)
 {
-    double un, ut, before = old->touching ? pair->spring.stiffness : 0, ft = pair->spring.ft;
-    struct vec n = vec(pair->nx, pair->ny);
-    double half = 0.5 * pair->overlap;
-    if (old->touching) {
-        n = vec(0.5 * (n.x + old->nx), 0.5 * (n.y + old->ny)); /* its length differs from 1 in second order only */
-        half = 0.25 * (pair->overlap + old->overlap);
+    double un, ut, before = 0, ft = pair->spring.ft, half = 0.5 * to.overlap;
+    struct vec n = vec(to.nx, to.ny);
+    if (pair->touching) {
+        before = pair->spring.stiffness;
+        n = vec(0.5 * (to.nx + pair->nx), 0.5 * (to.ny + pair->ny)); /* its length is 1 to second order */
+        half = 0.25 * (to.overlap + pair->overlap);
     }
     pair_velocity(dem, pair, n, half, &un, &ut);
     pair->touching = 1;
+    pair->nx = to.nx;
+    pair->ny = to.ny;
+    pair->overlap = to.overlap;
     contact_spring_press(&dem->law, dem_pair_law(dem, p), pair->overlap, &pair->spring);
     double dashpot = now.dashpots > 0 ? pair->damping * sqrt(pair->spring.stiffness) * un : 0;
-    pair->fn = fmax(0, pair->spring.fn - dashpot);
+    pair->fn = pair->spring.fn > dashpot ? pair->spring.fn - dashpot : 0;
     contact_spring_slide(&dem->law, before, ut * now.dt, &pair->spring);
     double limit = mu * pair->fn, trial = pair->spring.ft;
     pair->slips = fabs(trial) >= limit;
@@ -87,15 +88,15 @@ static void pair_force(const struct dem *dem, struct dem_pair *pair, size_t p, c
 /* Brings pair p up to date; returns 1 when it touches. */
 static int pair_update(struct dem *dem, size_t p, struct instant now, double *lost)
 {
-    struct dem_pair *pair = &dem->pairs[p], old = *pair;
-    pair_geometry(dem, pair);
-    if (pair->overlap > 0) {
-        pair_force(dem, pair, p, &old, p < dem->first[dem->count] ? dem->mu : dem->mu_wall, now, lost);
+    struct dem_pair *pair = &dem->pairs[p];
+    struct geometry to = pair_geometry(dem, pair);
+    if (to.overlap > 0) {
+        pair_force(dem, pair, p, to, p < dem->first[dem->count] ? dem->mu : dem->mu_wall, now, lost);
         return 1;
     }
     if (pair->touching) {
         pair->touching = pair->slips = 0;
-        pair->fn = 0;
+        pair->fn = pair->overlap = 0;
         pair->spring = (struct contact_spring){0};
     }
     return 0;
