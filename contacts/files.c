@@ -1,5 +1,6 @@
 #include "contacts/files.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/error.h"
@@ -32,6 +33,26 @@ void photo_state_free(struct photo_state *state)
     table_free(&PATCHES, &state->patches);
     state_info_free(&state->info);
     *state = (struct photo_state){0};
+}
+
+int photos_read(char *const *paths, size_t count, struct photo_state **photos)
+{
+    if (!(*photos = calloc(count + 1, sizeof **photos)))
+        return error_memory("further radii");
+    for (size_t m = 0; m < count; m++)
+        if (photo_state_read(paths[m], &(*photos)[m])) {
+            photos_free(*photos, m);
+            *photos = NULL;
+            return -1;
+        }
+    return 0;
+}
+
+void photos_free(struct photo_state *photos, size_t count)
+{
+    for (size_t m = 0; photos && m < count; m++)
+        photo_state_free(&photos[m]);
+    free(photos);
 }
 
 int photo_state_is_reference(const struct photo_state *state, const struct scene *scene)

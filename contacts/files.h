@@ -13,6 +13,9 @@ struct photo_state {
 
 int photo_state_read(const char *path, struct photo_state *state);
 void photo_state_free(struct photo_state *state); /* accepts a zeroed struct */
+/* Further measurements of the radii: `count` files into as many tables, one block to be freed with photos_free(). */
+int photos_read(char *const *paths, size_t count, struct photo_state **photos);
+void photos_free(struct photo_state *photos, size_t count);
 /* Is this the reference photo of the scene (or the only photo)? */
 int photo_state_is_reference(const struct photo_state *state, const struct scene *scene);
 

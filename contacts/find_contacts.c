@@ -39,8 +39,10 @@ static void search_free(struct search *search)
 static int check_input(const struct contact_input *input, const struct contact_options *options)
 {
     const struct packing *previous = input->previous;
-    if (input->scene->lens)
-        return error_input("%s: contacts cannot undo a lens yet: leave out \"lens\"", input->scene->path);
+    for (size_t m = 0; m < input->more_count; m++)
+        if (input->more_radii[m]->count != input->grains->count)
+            return error_input("a file of --radii has %zu grains, this photo %zu: give files with the same rows",
+                               input->more_radii[m]->count, input->grains->count);
     if (previous && previous->grains.count != input->grains->count)
         return error_input("the previous state has %zu grains, this one %zu: give the state of the same series",
                            previous->grains.count, input->grains->count);
@@ -250,6 +252,7 @@ static int build(struct search *search)
 {
     struct packing *packing = search->packing;
     struct frame_request request = {.scene = search->input->scene,
+                                    .lens = search->input->lens,
                                     .grains = &packing->grains,
                                     .patches = search->input->patches,
                                     .statistics = &search->statistics,

@@ -3,6 +3,7 @@
 #ifndef CONTACTS_FIND_CONTACTS_H
 #define CONTACTS_FIND_CONTACTS_H
 
+#include "pipeline/lens.h"
 #include "pipeline/packing.h"
 #include "pipeline/patches.h"
 #include "pipeline/scene.h"
@@ -25,7 +26,11 @@ struct contact_input {
     const struct photo_grains *grains; /* of findgrains or tracker */
     const struct patches *patches;     /* NULL: none */
     const struct packing *previous;    /* NULL: none */
-    int is_reference;                  /* this photo is the reference: no motion yet */
+    const struct lens *lens;           /* NULL: none. Undone for the frame, and for grains that are as seen */
+    int seen;                          /* the grains are where the photo shows them; 0: the lens is undone already */
+    const struct photo_grains *const *more_radii; /* further measurements of the radii and rims of the same rows */
+    size_t more_count;
+    int is_reference; /* this photo is the reference: no motion yet */
 };
 
 /* What was found, for people. */

@@ -18,13 +18,18 @@ static struct vec lines_meet(const struct wall_line *a, const struct wall_line *
     return vec_add(a->middle, vec_scale(t, a->along));
 }
 
+/* Corner k of the frame in the reference photo, its lens undone, m. */
+static struct vec corner_at(const struct frame_request *request, int k)
+{
+    struct vec px = request->scene->frame.corners_px[corner_order[k]];
+    return scene_metres(request->scene, request->lens ? lens_corrected(request->lens, px) : px);
+}
+
 static void lines_of_frame(const struct frame_request *request, struct wall_line lines[SIDES])
 {
-    const struct scene *scene = request->scene;
-    double error = request->frame_error_px * scene->scale;
+    double error = request->frame_error_px * request->scene->scale;
     for (int k = 0; k < SIDES; k++) {
-        struct vec from = scene_metres(scene, scene->frame.corners_px[corner_order[k]]);
-        struct vec to = scene_metres(scene, scene->frame.corners_px[corner_order[(k + 1) % SIDES]]);
+        struct vec from = corner_at(request, k), to = corner_at(request, (k + 1) % SIDES);
         double length = vec_norm(vec_sub(to, from));
         lines[k] = (struct wall_line){.middle = vec_scale(0.5, vec_add(from, to)),
                                       .along = vec_unit(vec_sub(to, from)),

@@ -5,12 +5,14 @@
 #define CONTACTS_FRAME_H
 
 #include "contacts/support.h"
+#include "pipeline/lens.h"
 #include "pipeline/patches.h"
 #include "pipeline/scene.h"
 #include "pipeline/walls.h"
 
 struct frame_request {
     const struct scene *scene;
+    const struct lens *lens;       /* NULL: none */
     const struct grains *grains;   /* of this state */
     const struct vec *reference;   /* m: positions in the reference photo; NULL: this state is the reference */
     const struct patches *patches; /* NULL: none */

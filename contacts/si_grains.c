@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "contacts/average.h"
 #include "pipeline/error.h"
 
 /* One optional photo-side column times a factor into a column of the new table. */
@@ -63,15 +64,28 @@ static int set_weight(const struct scene *scene, struct grains *grains)
     return 0;
 }
 
+/* Position and radius with the lens undone, px; the radius by the local magnification. */
+static struct vec corrected(const struct contact_input *input, struct vec px, double *radius_px)
+{
+    double j[2][2];
+    if (!input->lens || !input->seen)
+        return px;
+    lens_jacobian(input->lens, px, j);
+    *radius_px *= sqrt(fabs(j[0][0] * j[1][1] - j[0][1] * j[1][0]));
+    return lens_corrected(input->lens, px);
+}
+
 static void place(const struct contact_input *input, const struct contact_options *options, struct grains *grains)
 {
     const struct photo_grains *photo = input->grains;
+    double scale = input->scene->scale;
     for (size_t k = 0; k < grains->count; k++) {
-        struct vec at = scene_metres(input->scene, vec(photo->x_px[k], photo->y_px[k]));
-        double radius_px = options->radius_scale * photo->radius_px[k] + options->radius_offset_px;
+        double radius_px = options->radius_scale * grains->radius[k] / scale + options->radius_offset_px;
+        struct vec at = corrected(input, vec(photo->x_px[k], photo->y_px[k]), &radius_px);
+        at = scene_metres(input->scene, at);
         grains->x[k] = at.x;
         grains->y[k] = at.y;
-        grains->radius[k] = input->scene->scale * radius_px;
+        grains->radius[k] = scale * radius_px;
         grains->angle[k] = photo->angle && photo->x_ref_px ? photo->angle[k] : 0;
         grains->flags[k] = photo->flags ? photo->flags[k] : 0;
         if (!isfinite(at.x + at.y) || !isfinite(radius_px) || radius_px <= 0)
@@ -86,9 +100,13 @@ int si_grains(const struct contact_input *input, const struct contact_options *o
         return scene_lacks(input->scene, "scale_m_per_px", "contacts needs it to turn pixels into metres");
     if (table_alloc(&GRAINS, grains, input->grains->count, columns))
         return -1;
+    if (copy_errors(input, grains) || average_rims(input, grains)) {
+        table_free(&GRAINS, grains);
+        return -1;
+    }
     place(input, options, grains);
     set_mass(input->scene, grains);
-    if (copy_errors(input, grains) || set_weight(input->scene, grains)) {
+    if (set_weight(input->scene, grains)) {
         table_free(&GRAINS, grains);
         return -1;
     }
