@@ -81,6 +81,8 @@ char *contact_options_text(const struct contact_options *options, const struct c
         good = add(object, "s_radius_offset_px", summary->s_radius_offset_px);
     if (good && isfinite(options->tolerance_px))
         good = add(object, "tolerance_px", options->tolerance_px);
+    if (good && options->repair)
+        good = cJSON_AddTrueToObject(object, "repair") && add(object, "promoted", (double)summary->promoted);
     if (good && summary->undecided)
         good = cJSON_AddStringToObject(object, "radii_undecided", summary->undecided) != NULL;
     if (good)

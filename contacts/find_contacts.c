@@ -22,6 +22,7 @@ struct search {
     const struct contact_input *input;
     struct contact_options options; /* with the radius correction that is used */
     struct radius_correction correction;
+    size_t promoted;
     struct packing *packing;
     struct vec *reference; /* positions in the reference; NULL: this is it, or unknown */
     struct pairs pairs;
@@ -155,6 +156,8 @@ static void move_since_previous(struct search *search, size_t c, long row, const
         contacts->flags[c] |= CONTACT_NEW;
         return;
     }
+    if (candidate && !(old->flags[row] & CONTACT_CANDIDATE))
+        contacts->flags[c] |= CONTACT_OPENED;
     struct contact_motion motion =
         contact_motion(&search->packing->grains, &search->packing->walls, &search->pairs.pair[c], before);
     contacts->dun[c] = motion.un;
@@ -279,7 +282,7 @@ static int build(struct search *search)
     }
     frame_strain(&packing->walls, &search->frame.reference, packing->info.strain);
     packing->length_m = search->input->scene->grains.length;
-    return stability_flag(packing);
+    return search->options.repair ? stability_repair(packing, &search->promoted) : stability_flag(packing);
 }
 
 static double median_error(const struct pairs *pairs)
@@ -301,6 +304,7 @@ static void summarise(const struct search *search, struct contact_summary *summa
     double scale = search->input->scene->scale;
     *summary = (struct contact_summary){
         .grains = packing->grains.count,
+        .promoted = search->promoted,
         .mean_overlap_px = pair_mean_overlap(&search->statistics) / scale,
         .radius_scale = search->options.radius_scale,
         .radius_offset_px = search->options.radius_offset_px,

@@ -14,6 +14,7 @@ struct contact_options {
     double radius_offset_px;                   /* plus this */
     double tolerance_px;     /* NaN: decide by probability; else a contact is what overlaps more than -tolerance */
     double candidate_sigmas; /* pairs whose overlap is within so many standard errors of zero are kept */
+    int repair;              /* promote candidates that a loaded grain cannot stand without */
     double frame_error_px;   /* standard error of the frame's corners in the scene; 0: exact */
 };
 #define CONTACT_OPTIONS_DEFAULT                                                                                        \
@@ -37,7 +38,7 @@ struct contact_input {
 struct contact_summary {
     size_t grains, unusable; /* rows; rows with a number missing: they touch nothing */
     size_t contacts, wall_contacts, candidates;
-    size_t rattlers, floating;
+    size_t rattlers, floating, promoted;
     double mean_overlap_px, s_overlap_px;      /* of touching pairs; median standard error of an overlap */
     double radius_scale, radius_offset_px;     /* as used */
     double s_radius_scale, s_radius_offset_px; /* of an automatic one; 0: given */

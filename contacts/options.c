@@ -22,8 +22,8 @@ static int number_or_auto(const struct json *json, const cJSON *section, const c
 
 int contact_options_read(const struct scene *scene, struct contact_options *options)
 {
-    static const char *const keys[] = {"radius_scale",     "radius_offset_px", "tolerance_px",
-                                       "candidate_sigmas", "frame_error_px",   NULL};
+    static const char *const keys[] = {
+        "radius_scale", "radius_offset_px", "tolerance_px", "candidate_sigmas", "frame_error_px", "repair", NULL};
     const struct json *json = scene->json;
     const cJSON *section = scene_section(scene, "contacts");
     if (!section)
@@ -35,6 +35,7 @@ int contact_options_read(const struct scene *scene, struct contact_options *opti
                        &options->radius_offset_auto) < 0 ||
         json_number(json, section, "tolerance_px", -1000, 1000, &options->tolerance_px) < 0 ||
         json_number(json, section, "candidate_sigmas", 0, 100, &options->candidate_sigmas) < 0 ||
+        json_boolean(json, section, "repair", &options->repair) < 0 ||
         json_number(json, section, "frame_error_px", 0, 1000, &options->frame_error_px) < 0)
         return -1;
     return 0;

@@ -99,3 +99,46 @@ int stability_flag(struct packing *packing)
     incidence_free(&incidence);
     return 0;
 }
+
+/* Let candidate c speak for its floating grains. best[k]: the most probable candidate of grain k so far. */
+static void consider(const struct packing *packing, size_t c, size_t *best)
+{
+    const struct contacts *contacts = &packing->contacts;
+    int64_t ends[2] = {contacts->i[c], contacts->j[c]};
+    if (!(contacts->flags[c] & CONTACT_CANDIDATE) || (contacts->flags[c] & CONTACT_NOT_FINITE))
+        return;
+    for (int e = 0; e < 2; e++) {
+        if ((size_t)ends[e] >= packing->grains.count || !(packing->grains.flags[ends[e]] & GRAIN_FLOATING))
+            continue;
+        size_t *chosen = &best[ends[e]];
+        if (*chosen == (size_t)-1 || contacts->probability[c] > contacts->probability[*chosen])
+            *chosen = c;
+    }
+}
+
+int stability_repair(struct packing *packing, size_t *promoted)
+{
+    size_t grains = packing->grains.count, found = 1, *best = malloc((grains + 1) * sizeof *best);
+    *promoted = 0;
+    if (!best)
+        return error_memory("repair");
+    int status = stability_flag(packing);
+    while (status == 0 && found) {
+        found = 0;
+        for (size_t k = 0; k < grains; k++)
+            best[k] = (size_t)-1;
+        for (size_t c = 0; c < packing->contacts.count; c++)
+            consider(packing, c, best);
+        for (size_t k = 0; k < grains; k++) {
+            if (best[k] == (size_t)-1 || !(packing->contacts.flags[best[k]] & CONTACT_CANDIDATE))
+                continue;
+            packing->contacts.flags[best[k]] &= ~(uint32_t)CONTACT_CANDIDATE;
+            packing->contacts.flags[best[k]] |= CONTACT_PROMOTED;
+            found++;
+        }
+        *promoted += found;
+        status = found ? stability_flag(packing) : 0;
+    }
+    free(best);
+    return status;
+}

@@ -10,4 +10,8 @@
  * and are flagged neither way. Old flags of either kind are cleared first. */
 int stability_flag(struct packing *packing);
 
+/* The same, but while a grain floats that has a candidate, its most probable one becomes a contact (CONTACT_PROMOTED);
+ * one per floating grain and round. *promoted: how many. */
+int stability_repair(struct packing *packing, size_t *promoted);
+
 #endif

@@ -1,7 +1,7 @@
 #include "pipeline/contacts.h"
 
 const char *const CONTACT_FLAG_NAMES[32] = {
-    [0] = "not_finite", [16] = "new", [17] = "candidate", [18] = "promoted", [19] = "wall",
+    [0] = "not_finite", [16] = "new", [17] = "candidate", [18] = "promoted", [19] = "wall", [20] = "opened",
 };
 
 #define DOUBLE(member, units, text) COLUMN(struct contacts, member, COLUMN_DOUBLE, units, text)

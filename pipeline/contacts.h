@@ -10,7 +10,8 @@ enum contact_flag {
     CONTACT_NEW = 1u << 16,       /* not in contact in the previous state: its increments are NaN */
     CONTACT_CANDIDATE = 1u << 17, /* too unlikely to be a contact by itself: only map and series use it */
     CONTACT_PROMOTED = 1u << 18,  /* taken in because a grain could not stand without it */
-    CONTACT_WALL = 1u << 19       /* j is a wall */
+    CONTACT_WALL = 1u << 19,      /* j is a wall */
+    CONTACT_OPENED = 1u << 20     /* a candidate that was in contact in the previous state */
 };
 extern const char *const CONTACT_FLAG_NAMES[32];
 

@@ -431,6 +431,81 @@ static void test_peeling(void **state)
     setup_free(&s);
 }
 
+/* A heavy grain lies in the groove between two fixed walls' worth of others; one of its contacts looks open by 3
+ * standard errors. Without repair it floats, with repair it stands. */
+static void test_repair(void **state)
+{
+    (void)state;
+    for (int repair = 0; repair < 2; repair++) {
+        struct setup s = setup_new(4);
+        s.scene.gravity = vec(0, -9.81);
+        s.scene.grains.density = 730;
+        s.options.repair = repair;
+        s.options.tolerance_px = 0; /* a plain threshold, so that the open one is a candidate */
+        set_frame(&s, 0, 0, 198.4, 400);
+        put(&s, 0, 49.8, 49.8, 50);  /* in the left corner: bottom and left wall */
+        put(&s, 1, 148.6, 49.8, 50); /* in the right corner */
+        put(&s, 2, 99.2, 49.8 + sqrt(100 * 100 - 49.4 * 49.4) + 0.05, 50); /* on top, open on either side */
+        put(&s, 3, 99.2, 300, 50);                                         /* in the air: nothing can help it */
+        add_column(&s, "s_radius", &s.grains.s_radius, 0.02);
+        check_done(find(&s, NULL, 1));
+        assert_int_equal(s.packing.grains.flags[2], repair ? 0 : GRAIN_RATTLER | GRAIN_FLOATING);
+        assert_int_equal(s.packing.grains.flags[3], GRAIN_RATTLER | GRAIN_FLOATING);
+        assert_int_equal(s.summary.promoted, repair ? 2 : 0);
+        uint32_t flags = s.packing.contacts.flags[row_of(&s, 0, 2)];
+        assert_int_equal(flags, repair ? CONTACT_PROMOTED : CONTACT_CANDIDATE);
+        setup_free(&s);
+    }
+}
+
+/* The same radii from three photos, one of them flagged: the mean of the good ones, and their error. */
+static void test_radii_from_several_photos(void **state)
+{
+    (void)state;
+    struct setup s = setup_new(2), more[2] = {setup_new(2), setup_new(2)};
+    struct setup *all[] = {&s, &more[0], &more[1]};
+    const double radii[] = {50, 50.03, 60};
+    for (int m = 0; m < 3; m++) {
+        add_column(all[m], "s_radius", &all[m]->grains.s_radius, 0.02);
+        put(all[m], 0, 100, 100, radii[m]);
+        put(all[m], 1, 200, 100, 50);
+    }
+    more[1].grains.flags[0] = GRAIN_WEAK_EDGE;
+    const struct photo_grains *photos[] = {&more[0].grains, &more[1].grains};
+    s.input = (struct contact_input){
+        .scene = &s.scene, .grains = &s.grains, .more_radii = photos, .more_count = 2, .is_reference = 1};
+    check_done(find_contacts(&s.input, &s.options, &s.packing, NULL));
+    check_near(s.packing.grains.radius[0], 50.015 * SCALE, 1e-14);
+    double scatter = 2 * pow(0.015 / 0.02, 2); /* chi2 of two measurements, over n - 1 */
+    check_near(s.packing.grains.s_radius[0], 0.02 / sqrt(2) * sqrt(fmax(1, scatter)) * SCALE, 1e-14);
+    check_near(s.packing.grains.s_radius[1], 0.02 / sqrt(3) * SCALE, 1e-14);
+    for (int m = 0; m < 3; m++)
+        setup_free(all[m]);
+}
+
+/* A contact that opens and is still near keeps its row, flagged; one that closes is new. */
+static void test_opening_and_closing(void **state)
+{
+    (void)state;
+    struct setup shut = setup_new(2), open = setup_new(2);
+    put(&shut, 0, 100, 100, 50);
+    put(&shut, 1, 199.5, 100, 50);
+    put(&open, 0, 100, 100, 50);
+    put(&open, 1, 200.2, 100, 50);
+    for (int k = 0; k < 2; k++)
+        add_column(k ? &open : &shut, "s_radius", k ? &open.grains.s_radius : &shut.grains.s_radius, 0.1);
+    shut.options.tolerance_px = open.options.tolerance_px = 0;
+    check_done(find(&shut, NULL, 1));
+    check_done(find(&open, &shut.packing, 1));
+    assert_int_equal(open.packing.contacts.flags[0], CONTACT_CANDIDATE | CONTACT_OPENED);
+    check_near(open.packing.contacts.dun[0], 0.7 * SCALE, 1e-12);
+    check_done(find(&shut, &open.packing, 1));
+    assert_int_equal(shut.packing.contacts.flags[0], CONTACT_NEW);
+    assert_true(isnan(shut.packing.contacts.dun[0]));
+    setup_free(&shut);
+    setup_free(&open);
+}
+
 /* A square lattice of grains whose neighbours overlap exponentially (mean 0.2 px) or, one pair in eight, are up to
  * 1 px apart. Rows and columns are independent chains, so that every overlap can be chosen; radii are then seen with an
  * error of 0.02 px and too large or too small by `offset`. */
@@ -518,6 +593,9 @@ int main(void)
         cmocka_unit_test(test_elliptic_rims),
         cmocka_unit_test(test_error_of_an_overlap),
         cmocka_unit_test(test_peeling),
+        cmocka_unit_test(test_repair),
+        cmocka_unit_test(test_radii_from_several_photos),
+        cmocka_unit_test(test_opening_and_closing),
         cmocka_unit_test(test_automatic_radius_offset),
         cmocka_unit_test(test_automatic_offset_says_when_it_cannot_tell),
     };
