@@ -18,7 +18,8 @@ static const struct argp_option option_list[] = {
     {"repair", REPAIR, NULL, 0,
      "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)", 0},
     {"tolerance", TOLERANCE, "PX", 0,
-     "Take as contact what overlaps more than -PX pixels (default: what touches with a probability above one quarter)",
+     "Take as contact what overlaps more than -PX pixels (default: what more probably touches than not, at rest or "
+     "squeezed)",
      0},
     {0}};
 

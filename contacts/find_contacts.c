@@ -10,9 +10,6 @@
 #include "contacts/stability.h"
 #include "pipeline/error.h"
 
-/* A pair counts as contact from this probability on: a lost contact costs more than a false one (thesis 3.4.2). */
-#define CONTACT_PROBABILITY 0.25
-
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
 #define WIDEST_OFFSET_PX 2.0
 #define WIDEST_OFFSET 0.05
@@ -69,13 +66,14 @@ static double tolerance_of(const struct search *search)
     return tolerance > 0 ? tolerance : 0;
 }
 
-/* Keep what overlaps, and what may. */
+/* A contact touches or rests rather than being apart: what only rests carries nothing and costs nothing, a lost
+ * contact costs much (thesis 3.4.2). */
 static int is_contact(const struct search *search, const struct pair *pair)
 {
     double tolerance = search->options.tolerance_px;
     if (isfinite(tolerance))
         return pair->overlap > -tolerance * search->input->scene->scale;
-    return probability_of(search, pair) > CONTACT_PROBABILITY;
+    return pair_odds(&search->statistics, pair->overlap, pair->s_overlap).apart < 0.5;
 }
 
 static size_t keep_likely(struct search *search)
