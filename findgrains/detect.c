@@ -99,5 +99,9 @@ int detect_grains(const struct photo *photo, const struct zone *zone, const stru
         if (detect_octave(photo, zone, levels, high / ratio, high, found, peaks))
             return -1;
     candidates_thin(found, DETECT_OVERLAP);
+    for (size_t k = 0; k < found->count; k++) {
+        found->items[k].captured = found->items[k].rim;
+        found->items[k].sure = found->items[k].support;
+    }
     return 0;
 }

@@ -4,6 +4,7 @@
 #define FINDGRAINS_FIND_GRAINS_H
 
 #include "pipeline/grains.h"
+#include "findgrains/corrections.h"
 #include "pipeline/photo.h"
 #include "findgrains/threshold.h"
 #include "findgrains/zone.h"
@@ -13,9 +14,10 @@ enum find_shape { FIND_SHAPE_AUTO, FIND_SHAPE_CIRCLE, FIND_SHAPE_ELLIPSE };
 struct find_options {
     double radius_min_px, radius_max_px; /* NaN: estimated */
     int has_frame;
-    struct vec corners_px[4]; /* top-left, top-right, bottom-right, bottom-left */
-    double corner_radius_px;  /* 0: no discs at the corners */
-    enum find_shape shape;    /* auto: ellipses when the rims of this photo ask for them */
+    struct vec corners_px[4];              /* top-left, top-right, bottom-right, bottom-left */
+    double corner_radius_px;               /* 0: no discs at the corners */
+    const struct corrections *corrections; /* by hand; NULL: none */
+    enum find_shape shape;                 /* auto: ellipses when the rims of this photo ask for them */
 };
 #define FIND_OPTIONS_DEFAULT                                                                                           \
     {                                                                                                                  \
@@ -40,6 +42,10 @@ struct find_notes {
  * fine. */
 int find_grains(const struct photo *photo, const struct find_options *options, struct photo_grains *grains,
                 struct find_notes *notes);
+/* Measure known grains again, on a later photo: rows keep their numbers; one that cannot be measured keeps its place,
+ * flagged. From `known`: x_seen_px y_seen_px where there, else x_px y_px; radius_px. */
+int find_known_grains(const struct photo *photo, const struct find_options *options, const struct photo_grains *known,
+                      struct photo_grains *grains, struct find_notes *notes);
 /* Rows that are not to be trusted. */
 size_t find_count_flagged(const struct photo_grains *grains);
 

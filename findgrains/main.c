@@ -17,11 +17,20 @@ static const char doc[] =
 
 struct arguments {
     struct cli cli;
-    const char *photo, *picture;
+    const char *photo, *picture, *refine, *added, *removed;
 };
 
 static const struct argp_option option_table[] = {
-    {"picture", 'p', "P.png", 0, "Also draw the circles over the photo (flagged ones in red)", 0}, {0}};
+    {"picture", 'p', "P.png", 0, "Also draw the circles over the photo (flagged ones in red)", 0},
+    {"refine", 'r', "N.tracks.hdf", 0,
+     "Do not search: measure the grains of this file again, on a later photo; row k stays grain k. Radii of many "
+     "photos "
+     "can be averaged (contacts --radii)",
+     0},
+    {"add", 'a', "LIST.txt", 0,
+     "Grains that were missed, one \"x y radius\" (px) per line; they are measured like others", 0},
+    {"remove", 'd', "LIST.txt", 0, "False circles, one \"x y\" (px, anywhere inside) per line", 0},
+    {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -32,6 +41,19 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'p':
         arguments->picture = text;
+        return 0;
+    case 'r':
+        arguments->refine = text;
+        return 0;
+    case 'a':
+        arguments->added = text;
+        return 0;
+    case 'd':
+        arguments->removed = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->refine && (arguments->added || arguments->removed))
+            argp_error(state, "--refine keeps the rows of its file: correct the list where the grains were found");
         return 0;
     case ARGP_KEY_ARG:
         if (arguments->photo)
@@ -49,7 +71,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 static int write_file(const struct arguments *arguments, const struct scene *scene, const struct find_options *options,
                       const struct photo_grains *grains, const struct find_notes *notes)
 {
-    const char *const inputs[] = {scene->path, arguments->photo};
+    const char *const inputs[] = {scene->path, arguments->photo, arguments->refine};
     struct provenance provenance = PROVENANCE_DEFAULT;
     char *parameters = settings_print(options), *found = settings_print_notes(notes);
     int status = -1;
@@ -57,7 +79,7 @@ static int write_file(const struct arguments *arguments, const struct scene *sce
     provenance.coordinates = "seen";
     provenance.parameters = parameters;
     provenance.input_paths = inputs;
-    provenance.input_count = 2;
+    provenance.input_count = arguments->refine ? 3 : 2;
     provenance.index = scene_photo_index(scene, arguments->photo);
     provenance.time_s = scene_time(scene, (long)provenance.index);
     struct state_writer *writer = parameters && found ? state_create(arguments->cli.output, &provenance) : NULL;
@@ -72,23 +94,42 @@ static int write_file(const struct arguments *arguments, const struct scene *sce
     return status;
 }
 
-static int work(const struct arguments *arguments, const struct scene *scene, struct photo *photo,
-                struct photo_grains *grains)
+static int read_known(const char *path, struct photo_grains *known)
 {
-    struct find_options options;
+    static const char *const needed[] = {"x_px", "y_px", "radius_px", NULL};
+    struct state *state = state_open(path);
+    int status = state ? state_read(state, "grains", &PHOTO_GRAINS, needed, known) : -1;
+    state_close(state);
+    return status;
+}
+
+static int find(const struct arguments *arguments, const struct photo *photo, const struct find_options *options,
+                struct photo_grains *grains, struct find_notes *notes)
+{
+    struct photo_grains known = {0};
+    int status;
+    if (!arguments->refine)
+        status = find_grains(photo, options, grains, notes);
+    else if (!(status = read_known(arguments->refine, &known)))
+        status = find_known_grains(photo, options, &known, grains, notes);
+    table_free(&PHOTO_GRAINS, &known);
+    return status ? error_context("%s", arguments->photo) : 0;
+}
+
+static int work(const struct arguments *arguments, const struct scene *scene, struct find_options *options,
+                struct photo *photo, struct photo_grains *grains)
+{
     struct find_notes notes;
     const struct photo_request request = scene_photo_request(scene);
-    if (settings_read(scene, &options) || photo_read(arguments->photo, &request, photo))
+    if (settings_read(scene, options) || photo_read(arguments->photo, &request, photo) ||
+        find(arguments, photo, options, grains, &notes) ||
+        (arguments->picture && overlay_write(arguments->picture, photo, grains, &notes)) ||
+        write_file(arguments, scene, options, grains, &notes))
         return -1;
-    if (find_grains(photo, &options, grains, &notes))
-        return error_context("%s", arguments->photo);
-    if (arguments->picture && overlay_write(arguments->picture, photo, grains, &notes))
-        return -1;
-    if (write_file(arguments, scene, &options, grains, &notes))
-        return -1;
-    log_event("findgrains", "grains", (double)grains->count, "flagged", (double)find_count_flagged(grains), "blur_px",
-              notes.blur_px, "noise", notes.noise, "window_px", notes.window_px, NULL);
-    return cli_flagged(&arguments->cli, find_count_flagged(grains), grains->count, "grains");
+    size_t flagged = find_count_flagged(grains);
+    log_event("findgrains", "grains", (double)grains->count, "flagged", (double)flagged, "blur_px", notes.blur_px,
+              "noise", notes.noise, "window_px", notes.window_px, NULL);
+    return cli_flagged(&arguments->cli, flagged, grains->count, "grains");
 }
 
 static int run(const struct arguments *arguments)
@@ -96,9 +137,16 @@ static int run(const struct arguments *arguments)
     struct scene scene = {0};
     struct photo photo = {0};
     struct photo_grains grains = {0};
+    struct corrections corrections = {0};
+    struct find_options options = {.corrections = &corrections};
     int status = scene_read(arguments->cli.scene, &scene);
+    if (!status && arguments->added)
+        status = corrections_read_added(arguments->added, &corrections);
+    if (!status && arguments->removed)
+        status = corrections_read_removed(arguments->removed, &corrections);
     if (!status)
-        status = work(arguments, &scene, &photo, &grains);
+        status = work(arguments, &scene, &options, &photo, &grains);
+    corrections_free(&corrections);
     table_free(&PHOTO_GRAINS, &grains);
     photo_free(&photo);
     scene_free(&scene);

@@ -19,14 +19,14 @@ int rims_make(const struct candidates *found, struct rims *rims)
     *rims = (struct rims){.count = found->count};
     size_t room = found->count ? found->count : 1;
     rims->items = calloc(room, sizeof *rims->items);
-    rims->spread = calloc(room, sizeof *rims->spread);
-    if (!rims->items || !rims->spread) {
+    rims->origin = calloc(room, sizeof *rims->origin);
+    if (!rims->items || !rims->origin) {
         rims_free(rims);
         return error_memory("list of rims");
     }
     for (size_t k = 0; k < found->count; k++) {
         rims->items[k].rim = found->items[k].rim;
-        rims->spread[k] = found->items[k].spread;
+        rims->origin[k] = found->items[k];
     }
     return 0;
 }
@@ -34,7 +34,7 @@ int rims_make(const struct candidates *found, struct rims *rims)
 void rims_free(struct rims *rims)
 {
     free(rims->items);
-    free(rims->spread);
+    free(rims->origin);
     *rims = (struct rims){0};
 }
 
@@ -58,9 +58,10 @@ struct rows {
     size_t count;
 };
 
-/* One iteration on some rows, each from where it is; with blurs: with the blur of a rough place. Results into `to`. */
+/* One iteration on some rows, each from where it is; rough > 0: with the blur of a place that is
+ * known that much of its spread. Results into `to`. */
 static int iterate(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
-                   int ellipse, const double *blurs, const struct rims *rims, struct rows rows, struct refined *to)
+                   int ellipse, double rough, const struct rims *rims, struct rows rows, struct refined *to)
 {
     struct error_shared failure = ERROR_SHARED_NONE;
 #pragma omp parallel
@@ -71,13 +72,15 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
             size_t k = rows.list ? rows.list[at] : at;
             struct rim others[NEIGHBOURS];
             struct edge_settings own = *settings;
-            if (blurs) {
-                own.blur = fmax(settings->blur, fmin(blurs[k], 0.15 * rims->items[k].rim.radius));
+            to[at] = (struct refined){.rim = rims->items[k].rim};
+            if (!isfinite(to[at].rim.x + to[at].rim.y + to[at].rim.radius))
+                continue; /* a known grain that is lost */
+            if (rough > 0) {
+                own.blur = fmax(settings->blur, fmin(rough * rims->origin[k].spread, 0.15 * rims->items[k].rim.radius));
                 own.window = fmin(2.5 * own.blur, 0.5 * rims->items[k].rim.radius);
             }
             own.window = fmin(own.window, 0.7 * rims->items[k].rim.radius);
             size_t count = gather_neighbours(rims, k, own.window + 5 * own.blur, others);
-            to[at].rim = rims->items[k].rim;
             if (refine_circle(photo, zone, others, count, &own, ellipse, &work, &to[at]))
                 error_share(&failure, (long)k);
         }
@@ -100,15 +103,15 @@ static struct edge_settings settings_of(const struct rims_state *state)
                                   .damping = state->blur > LEAST_BLUR ? 1 : 0.5};
 }
 
-/* A rim that left its place is put back and loses its support. */
-static void accept(struct rims *rims, struct refined *next, const double *reach)
+/* A rim that could not be fitted, or left its place, goes back to where it was captured and has no support. */
+static void accept(struct rims *rims, struct refined *next, double rough)
 {
     for (size_t k = 0; k < rims->count; k++) {
-        struct rim *old = &rims->items[k].rim, *new = &next[k].rim;
-        double limit = reach ? 4 * reach[k] + 1 : 3;
-        if (!(hypot(new->x - old->x, new->y - old->y) < limit && fabs(new->radius - old->radius) < limit &&
-              new->radius > 0)) {
-            *new = *old;
+        const struct rim *old = &rims->items[k].rim, *new = &next[k].rim;
+        double limit = rough > 0 ? 4 * rims->origin[k].spread + 1 : 3;
+        if (!(next[k].support > 0 && hypot(new->x - old->x, new->y - old->y) < limit &&
+              fabs(new->radius - old->radius) < limit && new->radius > 0)) {
+            next[k].rim = rims->origin[k].captured;
             next[k].support = 0;
         }
         rims->items[k] = next[k];
@@ -116,14 +119,14 @@ static void accept(struct rims *rims, struct refined *next, const double *reach)
 }
 
 static int iterate_all(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
-                       int ellipse, const double *blurs, struct rims *rims)
+                       int ellipse, double rough, struct rims *rims)
 {
     struct refined *next = calloc(rims->count ? rims->count : 1, sizeof *next);
     if (!next)
         return error_memory("list of rims");
-    int status = iterate(photo, zone, settings, ellipse, blurs, rims, (struct rows){NULL, rims->count}, next);
+    int status = iterate(photo, zone, settings, ellipse, rough, rims, (struct rows){NULL, rims->count}, next);
     if (!status)
-        accept(rims, next, blurs);
+        accept(rims, next, rough);
     free(next);
     return status;
 }
@@ -132,19 +135,17 @@ int rims_approach(const struct photo *photo, const struct zone *zone, const stru
 {
     struct edge_settings settings = settings_of(state);
     settings.damping = 0.5;
-    for (int round = 0; round < 6; round++) {
-        if (iterate_all(photo, zone, &settings, state->ellipse, rims->spread, rims))
+    double rough = 1;
+    for (int round = 0; round < 6; round++, rough *= 0.7)
+        if (iterate_all(photo, zone, &settings, state->ellipse, rough, rims))
             return -1;
-        for (size_t k = 0; k < rims->count; k++)
-            rims->spread[k] *= 0.7;
-    }
     return 0;
 }
 
 int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
 {
     struct edge_settings settings = settings_of(state);
-    return iterate_all(photo, zone, &settings, state->ellipse, NULL, rims);
+    return iterate_all(photo, zone, &settings, state->ellipse, 0, rims);
 }
 
 static int ascending(const void *a, const void *b)
@@ -202,7 +203,7 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
         struct edge_settings settings = settings_of(state);
         settings.window = 3 * state->blur;
         settings.damping = 0.7;
-        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
+        if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
             return -1;
         for (size_t k = 0; k < rows.count; k++)
             if (fitted[k].support > 0)
@@ -210,7 +211,7 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
         settings.fit_blur = 1;
         settings.window = 3.5 * state->blur;
         settings.sector = 2 * state->sector;
-        if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
+        if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
             return -1;
         double error = median_member(fitted, rows.count, offsetof(struct refined, blur_error));
         if (!isfinite(error))
@@ -253,7 +254,7 @@ static int trial(const struct photo *photo, const struct zone *zone, const struc
 {
     struct refined fitted[SAMPLE];
     struct edge_settings settings = settings_of(state);
-    if (iterate(photo, zone, &settings, state->ellipse, NULL, rims, rows, fitted))
+    if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
         return -1;
     *error = median_member(fitted, rows.count, offsetof(struct refined, s_radius)) * correlation_of(fitted, rows.count);
     return 0;

@@ -6,7 +6,7 @@
 
 struct rims {
     struct refined *items;
-    double *spread; /* px: how far each may still be off */
+    struct candidate *origin; /* where each comes from; origin[k].spread: px, how far it may still be off */
     size_t count;
 };
 

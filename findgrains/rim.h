@@ -12,9 +12,12 @@ struct rim {
 /* A rim that was seen, before its refinement. */
 struct candidate {
     struct rim rim;
-    double support;  /* share of the rim where the photo falls from grain to void, weighted by how far it falls */
-    double one_side; /* |mean of exp(i theta)| over that share: 0 all around, 1 on one side only */
-    double spread;   /* px: how far the rim may be off */
+    double support;      /* share of the rim where the photo falls from grain to void, weighted by how far it falls */
+    double one_side;     /* |mean of exp(i theta)| over that share: 0 all around, 1 on one side only */
+    double spread;       /* px: how far the rim may be off */
+    struct rim captured; /* as it was captured, */
+    double sure;         /* with this support: enough keeps the row even where the fine fit fails */
+    int by_hand;         /* from the user's list: kept in any case */
 };
 
 struct candidates {

@@ -10,7 +10,6 @@ static const char *const shapes[] = {"auto", "circle", "ellipse", NULL};
 int settings_read(const struct scene *scene, struct find_options *options)
 {
     static const char *const keys[] = {"shape", NULL};
-    *options = (struct find_options)FIND_OPTIONS_DEFAULT;
     options->radius_min_px = scene->grains.radius_min_px;
     options->radius_max_px = scene->grains.radius_max_px;
     options->has_frame = scene->frame.given;
@@ -41,6 +40,16 @@ static void add_frame(cJSON *object, const struct find_options *options)
     add_number(frame, "corner_radius_px", options->corner_radius_px);
 }
 
+static void add_corrections(cJSON *object, const struct corrections *corrections)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, "corrections");
+    for (size_t k = 0; k < corrections->count; k++) {
+        const struct correction *item = &corrections->items[k];
+        double numbers[3] = {item->x, item->y, item->radius};
+        cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(numbers, item->radius > 0 ? 3 : 2));
+    }
+}
+
 static char *printed(cJSON *object)
 {
     char *text = object ? json_print(object) : NULL;
@@ -58,6 +67,8 @@ char *settings_print(const struct find_options *options)
     cJSON_AddStringToObject(object, "shape", shapes[options->shape]);
     if (options->has_frame)
         add_frame(object, options);
+    if (options->corrections && options->corrections->count)
+        add_corrections(object, options->corrections);
     return printed(object);
 }
 

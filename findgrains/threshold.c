@@ -4,7 +4,9 @@
 #include "pipeline/error.h"
 
 #include <stdint.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { LEVELS = 65536, SAMPLES = 4000000 };
 
@@ -74,6 +76,23 @@ static void find_otsu(const uint32_t *histogram, uint64_t total, struct grey_lev
     levels->grain_level = level_of_rank(histogram, first + 1, (total - best_below) / 2);
 }
 
+/* Robust standard deviation of a pixel from I(x-1) - 2 I(x) + I(x+1), whose variance is 6 times a pixel's. */
+static double find_noise(const struct photo *photo, const struct zone *zone, uint32_t *histogram)
+{
+    uint64_t total = 0;
+    memset(histogram, 0, LEVELS * sizeof *histogram);
+    int step = 1 + (zone->y1 - zone->y0) / 256;
+    for (int y = zone->y0; y < zone->y1; y += step) {
+        const uint16_t *row = photo_row(photo, y);
+        for (int x = zone->x0 + 1; x < zone->x1 - 1; x++) {
+            int bend = abs(row[x - 1] - 2 * row[x] + row[x + 1]);
+            histogram[bend < LEVELS ? bend : LEVELS - 1]++;
+            total++;
+        }
+    }
+    return total ? 1.4826 * level_of_rank(histogram, 0, total / 2) / sqrt(6) : 0;
+}
+
 int threshold_find(const struct photo *photo, const struct zone *zone, struct grey_levels *levels)
 {
     *levels = (struct grey_levels){0};
@@ -83,6 +102,7 @@ int threshold_find(const struct photo *photo, const struct zone *zone, struct gr
     uint64_t total = fill_histogram(photo, zone, histogram);
     if (total)
         find_otsu(histogram, total, levels);
+    levels->noise = find_noise(photo, zone, histogram);
     free(histogram);
     return 0;
 }

@@ -10,6 +10,7 @@ struct grey_levels {
     double void_level;  /* median of the pixels at or below the threshold */
     double grain_level; /* median of the pixels above it */
     double separation;  /* variance between the classes over the whole variance, 0 to 1; 0: one grey level only */
+    double noise;       /* of a pixel: from second differences along rows, fine texture included */
 };
 
 /* Levels of the pixels in the zone (every pixel of a coarse grid when the photo is large). */

@@ -1,0 +1,108 @@
+#include "findgrains/corrections.h"
+
+#include "pipeline/error.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BY_HAND_SPREAD 0.05 /* of the radius: how well a person clicks */
+
+static int add(struct corrections *corrections, struct correction item)
+{
+    if (corrections->count == corrections->room) {
+        size_t room = corrections->room ? 2 * corrections->room : 16;
+        struct correction *items = realloc(corrections->items, room * sizeof *items);
+        if (!items)
+            return error_memory("list of corrections");
+        corrections->items = items;
+        corrections->room = room;
+    }
+    corrections->items[corrections->count++] = item;
+    return 0;
+}
+
+/* Up to three numbers of a line into values; -1: something else stands there. */
+static int read_numbers(const char *line, double values[3])
+{
+    int count = 0;
+    for (;;) {
+        line += strspn(line, " \t\r\n");
+        if (*line == '\0' || *line == '#')
+            return count;
+        char *end;
+        double value = strtod(line, &end);
+        if (end == line || count == 3 || !isfinite(value))
+            return -1;
+        values[count++] = value;
+        line = end;
+    }
+}
+
+static int read_list(const char *path, int columns, const char *format, struct corrections *corrections)
+{
+    FILE *file = fopen(path, "r");
+    char line[256];
+    int status = 0;
+    if (!file)
+        return error_input("%s: %s: give a file with one grain per line", path, strerror(errno));
+    for (int number = 1; !status && fgets(line, sizeof line, file); number++) {
+        double values[3] = {0};
+        int count = read_numbers(line, values);
+        if (count == 0)
+            continue;
+        if (count != columns || (columns == 3 && !(values[2] > 0)))
+            status = error_input("%s:%d: not \"%s\" in px: correct the line", path, number, format);
+        else
+            status = add(corrections, (struct correction){values[0], values[1], values[2]});
+    }
+    if (!status && ferror(file))
+        status = error_failed("%s: cannot be read: check the disk", path);
+    fclose(file);
+    return status;
+}
+
+int corrections_read_added(const char *path, struct corrections *corrections)
+{
+    return read_list(path, 3, "x y radius", corrections);
+}
+
+int corrections_read_removed(const char *path, struct corrections *corrections)
+{
+    return read_list(path, 2, "x y", corrections);
+}
+
+void corrections_free(struct corrections *corrections)
+{
+    free(corrections->items);
+    *corrections = (struct corrections){0};
+}
+
+static int take_away(const struct correction *item, struct candidates *found)
+{
+    size_t kept = 0;
+    for (size_t k = 0; k < found->count; k++) {
+        const struct rim *rim = &found->items[k].rim;
+        if (hypot(rim->x - item->x, rim->y - item->y) > rim->radius)
+            found->items[kept++] = found->items[k];
+    }
+    if (kept == found->count)
+        return error_input("no grain was found at (%g, %g): correct the list of grains to remove", item->x, item->y);
+    found->count = kept;
+    return 0;
+}
+
+int corrections_apply(const struct corrections *corrections, struct candidates *found)
+{
+    for (size_t k = 0; corrections && k < corrections->count; k++) {
+        const struct correction *item = &corrections->items[k];
+        struct candidate grain = {.rim = {.x = item->x, .y = item->y, .radius = item->radius}, .by_hand = 1};
+        grain.captured = grain.rim;
+        grain.spread = fmax(1, BY_HAND_SPREAD * item->radius);
+        if (item->radius > 0 ? candidates_add(found, &grain) : take_away(item, found))
+            return -1;
+    }
+    return 0;
+}

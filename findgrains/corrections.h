@@ -1,0 +1,27 @@
+/* What a person adds to or takes from the grains that were found: two text files, one grain per line, px, # starts a
+ * comment. Added: "x y radius"; removed: "x y", anywhere inside the grain. */
+#ifndef FINDGRAINS_CORRECTIONS_H
+#define FINDGRAINS_CORRECTIONS_H
+
+#include <stddef.h>
+
+#include "findgrains/rim.h"
+
+struct correction {
+    double x, y, radius; /* radius 0: remove */
+};
+
+struct corrections {
+    struct correction *items;
+    size_t count, room;
+};
+
+/* Append a list to `corrections`; errors name file and line. */
+int corrections_read_added(const char *path, struct corrections *corrections);
+int corrections_read_removed(const char *path, struct corrections *corrections);
+void corrections_free(struct corrections *corrections); /* accepts a zeroed struct */
+
+/* Take away the candidates that hold a removed point (an error when none does), add the added ones. NULL: nothing. */
+int corrections_apply(const struct corrections *corrections, struct candidates *found);
+
+#endif

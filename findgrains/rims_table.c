@@ -1,0 +1,98 @@
+#include "findgrains/rims_table.h"
+
+#include "findgrains/measure.h"
+#include "pipeline/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define CUT_DEPTH 1.5 /* px that a rim may lie beyond the frame before the grain counts as cut */
+
+static uint32_t flags_of(const struct zone *zone, const struct refined *item, const struct candidate *origin)
+{
+    uint32_t flags = origin->by_hand ? GRAIN_BY_HAND : 0;
+    double x = item->rim.x, y = item->rim.y, r = item->rim.radius;
+    if (!isfinite(x + y + r))
+        return flags | GRAIN_LOST;
+    if (zone_photo_depth(zone, x, y) < r || zone_depth(zone, x, y) < r - fmax(CUT_DEPTH, 0.03 * r))
+        flags |= GRAIN_CUT;
+    if (item->support < MEASURE_LEAST_SUPPORT)
+        return flags | GRAIN_WEAK_EDGE | GRAIN_NO_CONTRAST;
+    if (item->support < MEASURE_WEAK_SUPPORT && item->hidden < 0.5)
+        flags |= GRAIN_WEAK_EDGE;
+    if (!(item->moved < fmax(0.02, item->s_radius)))
+        flags |= GRAIN_NOT_CONVERGED;
+    return flags;
+}
+
+/* Typical size of a shape: the median over the measured rims, for those that are too small to show one. */
+static double usual_shape(const struct rims *rims)
+{
+    double sum = 0, count = 0;
+    for (size_t k = 0; k < rims->count; k++)
+        if (rims->items[k].s_shape > 0) {
+            double share = hypot(rims->items[k].rim.c2, rims->items[k].rim.s2) / rims->items[k].rim.radius;
+            sum += share * share;
+            count += 1;
+        }
+    return count > 0 ? sqrt(0.5 * sum / count) : 0;
+}
+
+static void fill_row(const struct zone *zone, const struct rims_state *state, const struct rims *rims, size_t from,
+                     double shape, struct photo_grains *grains, size_t row)
+{
+    const struct refined *item = &rims->items[from];
+    const struct candidate *origin = &rims->origin[from];
+    int measured = item->support >= MEASURE_LEAST_SUPPORT;
+    grains->x_px[row] = item->rim.x;
+    grains->y_px[row] = item->rim.y;
+    grains->radius_px[row] = item->rim.radius;
+    grains->s_x[row] = measured ? item->s_x * state->correlation : origin->spread;
+    grains->s_y[row] = measured ? item->s_y * state->correlation : origin->spread;
+    grains->s_radius[row] = measured ? item->s_radius * state->correlation : origin->spread;
+    grains->flags[row] = flags_of(zone, item, origin);
+    if (state->ellipse) {
+        int shown = measured && item->s_shape > 0;
+        grains->shape_c[row] = shown ? item->rim.c2 : 0;
+        grains->shape_s[row] = shown ? -item->rim.s2 : 0; /* y down to counter-clockwise as seen */
+        grains->s_shape[row] = shown ? item->s_shape * state->correlation : shape * item->rim.radius;
+    }
+}
+
+struct place {
+    double y, x;
+    size_t row;
+};
+
+static int reading_order(const void *left, const void *right)
+{
+    const struct place *a = left, *b = right;
+    int order = (a->y > b->y) - (a->y < b->y);
+    return order ? order : (a->x > b->x) - (a->x < b->x);
+}
+
+static int alloc_columns(const struct rims *rims, int ellipse, struct photo_grains *grains)
+{
+    static const char *const circle[] = {"x_px", "y_px", "radius_px", "s_x", "s_y", "s_radius", "flags", NULL};
+    static const char *const shaped[] = {"x_px",  "y_px",    "radius_px", "s_x",     "s_y", "s_radius",
+                                         "flags", "shape_c", "shape_s",   "s_shape", NULL};
+    return table_alloc(&PHOTO_GRAINS, grains, rims->count, ellipse ? shaped : circle);
+}
+
+int rims_table(const struct zone *zone, const struct rims_state *state, const struct rims *rims, int keep_order,
+               struct photo_grains *grains)
+{
+    struct place *places = malloc((rims->count + 1) * sizeof *places);
+    if (!places)
+        return error_memory("order of the grains");
+    for (size_t k = 0; k < rims->count; k++)
+        places[k] = (struct place){rims->items[k].rim.y, rims->items[k].rim.x, k};
+    if (!keep_order && rims->count)
+        qsort(places, rims->count, sizeof *places, reading_order);
+    int status = alloc_columns(rims, state->ellipse, grains);
+    double shape = usual_shape(rims);
+    for (size_t k = 0; k < rims->count && !status; k++)
+        fill_row(zone, state, rims, places[k].row, shape, grains, k);
+    free(places);
+    return status;
+}
