@@ -39,7 +39,7 @@ static int load_patch(const struct shape *shape, const struct photo *photo, cons
 static double noise_gain(const struct subset *subset, const struct motion *motion, enum bspline_order order)
 {
     const double c = cos(motion->angle), s = sin(motion->angle);
-    enum { STEP = 5 };
+    enum { STEP = 8 };
     double sum = 0;
     size_t count = 0;
     for (size_t k = 0; k < subset->run_count; k += STEP)

@@ -16,7 +16,7 @@ typedef void interpolate_line(const struct patch *patch, const struct line *line
 interpolate_line interpolate_cubic_plain, interpolate_quintic_plain;
 #if defined(__x86_64__) && defined(__GNUC__)
 #define INTERPOLATE_X86
-interpolate_line interpolate_cubic_avx2, interpolate_cubic_avx512; /* only where the machine has them */
+interpolate_line interpolate_cubic_avx2, interpolate_cubic_avx512, interpolate_quintic_avx512; /* where there */
 #endif
 
 enum interpolate_level { INTERPOLATE_PLAIN, INTERPOLATE_AVX2, INTERPOLATE_AVX512 };

@@ -103,26 +103,38 @@ static int find_runs(const struct photo *reference, const struct subset_mask *ma
 /* ---- planes and their products ---- */
 
 /* What the normal equations are made of, pixel by pixel: instruments, grey, Laplacian, 1, plain slopes. */
-enum { Z = 0, GREY = 3, BLUR, ONE, J, VECTORS = J + 3, STRETCH = 256 };
+enum { Z = 0, GREY = 3, BLUR, ONE, J, VECTORS = J + 3, STRETCH = 256, LANES = 32 };
 
+/* Sums of products: only rows Z and nuisances (GREY, BLUR, ONE), against everything. Lanes are added at the end, so
+ * that the sums are the same on every machine. */
 struct products {
-    double sum[VECTORS][VECTORS]; /* only rows Z and nuisances (GREY, BLUR, ONE), against everything */
+    float lanes[J][VECTORS][LANES];
+    double sum[J][VECTORS];
 };
 
-SIMD_CLONES static float dot(const float *restrict a, const float *restrict b, int count)
+SIMD_CLONES static void add_products(const float (*restrict vectors)[STRETCH], int count,
+                                     float (*restrict lanes)[VECTORS][LANES])
 {
-    float sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (int i = 0; i < count; i++)
-        sum += a[i] * b[i];
-    return sum;
+    for (int a = Z; a < J; a++)
+        for (int b = a; b < VECTORS; b++) {
+            const float *p = vectors[a], *q = vectors[b];
+            float sum[LANES];
+            memcpy(sum, lanes[a][b], sizeof sum);
+            for (int i = 0; i < count; i += LANES)
+                for (int l = 0; l < LANES; l++)
+                    sum[l] += p[i + l] * q[i + l];
+            memcpy(lanes[a][b], sum, sizeof sum);
+        }
 }
 
-static void add_products(const float *const vectors[VECTORS], int count, struct products *products)
+/* Single precision is enough for the pixels of a lane in some rows. */
+static void flush_products(struct products *products)
 {
     for (int a = Z; a < J; a++)
         for (int b = a; b < VECTORS; b++)
-            products->sum[a][b] += dot(vectors[a], vectors[b], count);
+            for (int l = 0; l < LANES; l++)
+                products->sum[a][b] += products->lanes[a][b][l];
+    memset(products->lanes, 0, sizeof products->lanes);
 }
 
 /* The slope of the angle: gx dy - gy dx. */
@@ -133,24 +145,33 @@ SIMD_CLONES static void turn_slope(const float *restrict gx, const float *restri
         ga[i] = gx[i] * dy - gy[i] * (dx + (float)i);
 }
 
+/* memcpy() of a few hundred bytes, which compilers make a slow string instruction of. */
+SIMD_CLONES static void copy(const float *restrict from, int count, float *restrict to)
+{
+#pragma omp simd
+    for (int i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
 /* Fill the planes of one stretch of a run, Z not yet orthogonal, and add its products. */
 static void add_stretch(const struct slopes *slopes, int x, int y, int count, size_t offset, struct subset *subset,
                         struct products *products)
 {
-    const size_t n = subset->count;
     const float dx = (float)(x - subset->shape.cx), dy = (float)(y - subset->shape.cy);
-    float laplacian[STRETCH], one[STRETCH], slope[3][STRETCH];
-    float *z[3] = {subset->planes + offset, subset->planes + n + offset, subset->planes + 2 * n + offset};
-    float *grey = subset->planes + SUBSET_GREY * n + offset;
-    slopes_smooth(slopes, x, y, count, z[0], z[1], laplacian);
-    slopes_plain(slopes, x, y, count, slope[0], slope[1]);
-    turn_slope(z[0], z[1], dx, dy, count, z[2]);
-    turn_slope(slope[0], slope[1], dx, dy, count, slope[2]);
-    memcpy(grey, slopes_grey(slopes, x, y), (size_t)count * sizeof *grey);
+    const int padded = (count + LANES - 1) / LANES * LANES;
+    float v[VECTORS][STRETCH];
+    slopes_smooth(slopes, x, y, count, v[Z], v[Z + 1], v[BLUR]);
+    slopes_plain(slopes, x, y, count, v[J], v[J + 1]);
+    turn_slope(v[Z], v[Z + 1], dx, dy, count, v[Z + 2]);
+    turn_slope(v[J], v[J + 1], dx, dy, count, v[J + 2]);
+    copy(slopes_grey(slopes, x, y), count, v[GREY]);
     for (int i = 0; i < count; i++)
-        one[i] = 1;
-    const float *const vectors[VECTORS] = {z[0], z[1], z[2], grey, laplacian, one, slope[0], slope[1], slope[2]};
-    add_products(vectors, count, products);
+        v[ONE][i] = 1;
+    for (int a = 0; a < VECTORS; a++)
+        memset(v[a] + count, 0, (size_t)(padded - count) * sizeof(float));
+    add_products(v, count, products->lanes);
+    for (int plane = 0; plane < SUBSET_PLANES; plane++) /* Z and grey stand first */
+        copy(v[plane], count, subset->planes + (size_t)plane * subset->count + offset);
 }
 
 static double mean_grey(const struct photo *reference, const struct subset *subset)
@@ -186,6 +207,8 @@ static void fill_planes(const struct slopes *slopes, struct subset *subset, stru
         for (int i = 0; i < run->count; i += STRETCH)
             add_stretch(slopes, run->x + i, run->y, run->count - i < STRETCH ? run->count - i : STRETCH,
                         run->offset + (size_t)i, subset, products);
+        if (k % 32 == 31 || k + 1 == subset->run_count)
+            flush_products(products);
     }
 }
 
@@ -289,7 +312,7 @@ static void noise_of_slopes(struct subset *subset)
 
 static int fill(const struct photo *reference, struct subset *subset)
 {
-    struct products products = {{{0}}};
+    struct products products = {0};
     struct slopes slopes;
     double share[3][3];
     subset->planes = malloc(SUBSET_PLANES * subset->count * sizeof *subset->planes);
