@@ -18,6 +18,7 @@ static const char head[] =
     ".table{overflow-x:auto;margin-bottom:1rem}table{border-collapse:collapse;font-size:.85rem}\n"
     "th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #e4e4e4;white-space:nowrap}\n"
     "th{vertical-align:bottom;background:#f6f6f4}th.left,td.left{text-align:left}\n"
+    "summary{font-size:.85rem;color:#555;cursor:pointer}"
     ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"
     ".good{background:#e9f5f0;border-left:.4rem solid #009e73;padding:.5rem 1rem}\n"
     ".off{color:#b34a00;font-weight:600}.small{font-size:.8rem;color:#555}\n"

@@ -5,14 +5,19 @@
 
 static const double DEGREE = 0.017453292519943295;
 
-static void table_begin(struct html *html, const char *title, const char *headings)
+enum { LONG_TABLE = 60 };
+
+/* Long tables are folded. */
+static void table_begin(struct html *html, const char *title, size_t rows, const char *headings)
 {
-    fprintf(html->stream, "<h2>%s</h2>\n<div class=\"table\"><table><tr>%s</tr>\n", title, headings);
+    fprintf(html->stream,
+            "<h2>%s</h2>\n<details%s><summary>%zu rows</summary><div class=\"table\"><table><tr>%s</tr>\n", title,
+            rows > LONG_TABLE ? "" : " open", rows, headings);
 }
 
 static void table_end(struct html *html)
 {
-    fputs("</table></div>\n", html->stream);
+    fputs("</table></div></details>\n", html->stream);
 }
 
 static void cell_name(struct html *html, const char *name)
@@ -57,12 +62,12 @@ static void photo_row(struct html *html, const struct series_row *row, const cha
 
 void page_photos(const struct series *series, struct html *html)
 {
-    int some = 0;
+    size_t rows = 0;
     for (size_t k = 0; k < series->count; k++)
-        some |= series->rows[k].grains.path || series->rows[k].tracks.path;
-    if (!some)
+        rows += (series->rows[k].grains.path != NULL) + (series->rows[k].tracks.path != NULL);
+    if (rows == 0)
         return;
-    table_begin(html, "Photos",
+    table_begin(html, "Photos", rows,
                 "<th class=\"left\">photo</th><th class=\"left\">grains</th><th>time<br>s</th><th>rows</th>"
                 "<th>flagged</th><th class=\"left\">do not trust</th><th class=\"left\">information</th>"
                 "<th>ZNCC<br>median</th><th>ZNCC<br>least</th><th>s of place<br>px, median</th>"
@@ -79,12 +84,12 @@ void page_photos(const struct series *series, struct html *html)
 
 void page_states(const struct series *series, struct html *html)
 {
-    int some = 0;
+    size_t rows = 0;
     for (size_t k = 0; k < series->count; k++)
-        some |= series->rows[k].packing.path != NULL;
-    if (!some)
+        rows += series->rows[k].packing.path != NULL;
+    if (rows == 0)
         return;
-    table_begin(html, "Packings",
+    table_begin(html, "Packings", rows,
                 "<th class=\"left\">state</th><th>ε<sub>xx</sub></th><th>ε<sub>yy</sub></th><th>grains</th>"
                 "<th>contacts</th><th>with walls</th><th>candidates</th><th>rattlers</th><th>floating</th><th>z</th>"
                 "<th>void<br>ratio</th><th class=\"left\">do not trust</th>");
@@ -136,27 +141,29 @@ static void stress_row(struct html *html, const struct series_row *row, const st
 
 void page_stresses(const struct series *series, struct html *html)
 {
-    int some = 0, pascal = 0;
+    size_t rows = 0;
+    int pascal = 0;
     for (size_t k = 0; k < series->count; k++) {
-        some |= series->rows[k].packing.force_count > 0;
+        rows += series->rows[k].packing.force_count;
         pascal |= series->rows[k].packing.in_pascal;
     }
-    if (!some)
+    if (rows == 0)
         return;
-    fprintf(html->stream,
-            "<h2>Forces</h2>\n<p class=\"small\">Stresses in %s, compression positive. Applied: from the "
-            "loads on walls and grains. Weber: from the contact forces. Imbalance: the largest force that "
-            "a grain does not balance, over the mean normal force.</p>\n",
-            pascal ? "kPa" : "N/m");
-    fputs("<div class=\"table\"><table><tr><th class=\"left\">state</th><th class=\"left\">method</th>"
-          "<th class=\"left\">start</th><th>applied<br>xx</th><th>Weber<br>xx</th><th>applied<br>yy</th>"
-          "<th>Weber<br>yy</th><th>Weber<br>xy</th><th>⟨fn⟩<br>N</th><th>slipping<br>%</th><th>imbalance</th>"
-          "<th>iterations</th><th>converged</th></tr>\n",
-          html->stream);
+    table_begin(
+        html, "Forces", rows,
+        "<th class=\"left\">state</th><th class=\"left\">method</th><th class=\"left\">start</th>"
+        "<th>applied<br>xx</th><th>Weber<br>xx</th><th>applied<br>yy</th><th>Weber<br>yy</th><th>Weber<br>xy</th>"
+        "<th>⟨fn⟩<br>N</th><th>slipping<br>%</th><th>imbalance</th><th>iterations</th><th>converged</th>");
     for (size_t k = 0; k < series->count; k++)
         for (size_t f = 0; f < series->rows[k].packing.force_count; f++)
             stress_row(html, &series->rows[k], &series->rows[k].packing.forces[f]);
     table_end(html);
+    fprintf(
+        html->stream,
+        "<p class=\"small\">Stresses in %s, compression positive. Applied: from the loads on walls and grains. Weber: "
+        "from the contact forces. Imbalance: the largest force that a grain does not balance, over the mean normal "
+        "force.</p>\n",
+        pascal ? "kPa" : "N/m");
 }
 
 void page_inputs(const struct series *series, struct html *html)
