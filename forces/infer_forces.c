@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/method.h"
+#include "forces/evidence.h"
 #include "pipeline/error.h"
 #include "pipeline/stress.h"
 
@@ -27,31 +27,14 @@ static int check_options(const struct force_options *options, enum force_method 
     return 0;
 }
 
-/* How far the start of map is to be trusted, in squared mean forces (docs/forces.md): overlaps by their standard error;
- * without overlaps fn is spread like an exponential distribution, whose variance is its squared mean, and ft evenly
- * over the cone, whose variance is mu^2 <fn^2> / 3 = 2/3 mu^2. */
-static void prior_variance(const struct packing *packing, const struct network *network,
-                           const struct force_options *options, double *variance)
-{
-    const double *error = packing->contacts.s_overlap;
-    int measured = packing->contacts.overlap && options->start != START_ZERO && options->start != START_MEAN;
-    for (size_t c = 0; c < network->count; c++) {
-        double mu = network->contact[c].mu, s = error ? error[network->contact[c].row] : 0;
-        s = measured && isfinite(s) ? options->law.kn * s / network->force : 1;
-        variance[2 * c] = fmin(1, fmax(1e-4, s * s));
-        variance[2 * c + 1] = fmax(1e-8, 2.0 / 3 * fmin(1, mu * mu));
-    }
-}
-
 static int solve_map(const struct packing *packing, const struct network *network, const struct force_options *options,
                      double *f, struct outcome *outcome)
 {
-    double *variance = malloc((2 * network->count + 1) * sizeof *variance);
-    if (!variance)
-        return error_memory("map");
-    prior_variance(packing, network, options, variance);
-    int status = map_solve(network, options, variance, f, outcome);
-    free(variance);
+    struct evidence evidence;
+    if (evidence_build(packing, network, options, f, &evidence))
+        return -1;
+    int status = map_solve(network, options, &evidence, f, outcome);
+    evidence_free(&evidence);
     return status;
 }
 

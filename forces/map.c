@@ -1,12 +1,17 @@
-/* The most likely admissible forces: minimise 1/2 |f - f0|^2_W over f in the Coulomb cones with A f + b = 0, W the
- * inverse variances. In 2D the cones are wedges, so this is a convex quadratic programme. Its dual is unconstrained:
+/* The most likely admissible forces (docs/forces.md): minimise
  *
- *     minimise phi(y) = 1/2 |P(z)|^2_W + b . y,   z = f0 + V A' y,   V = 1 / W,
+ *     1/2 |f - f0|^2_W + 1/2 |e|^2 + 1/2 |r|^2 / slack     with  A f + b = 0,  fn + B e + r = m,  f in the cones,
  *
- * P the projection onto the wedge in the norm of W, in closed form; the gradient A P(z) + b is what is out of balance.
- * phi is once differentiable and piecewise quadratic: semismooth Newton (Qi and Sun 1993) with a proximal shift and a
- * line search on the slope converges from anywhere in a few tens of steps (docs/forces.md). */
-#include "forces/method.h"
+ * a convex quadratic programme, as the cones are wedges in 2D. With the multipliers y (equilibrium) and l (overlaps)
+ * its dual is unconstrained:
+ *
+ *     minimise phi(y, l) = 1/2 |P(z)|^2_W + b . y - m . l + 1/2 |B' l|^2 + 1/2 slack l^2,  z = f0 + V (A' y + (l, 0)),
+ *
+ * V = 1 / W, P the projection onto the wedge in the norm of W, in closed form. phi is once differentiable and piecewise
+ * quadratic: semismooth Newton (Qi and Sun 1993) with a proximal shift and a line search on the slope converges from
+ * anywhere in a few tens of steps. l is eliminated contact by contact, which leaves a quasi-definite system in (y, e)
+ * with the pattern of the network. */
+#include "forces/evidence.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,54 +20,90 @@
 #include "pipeline/error.h"
 
 #define MAP_FIRST_SHIFT 1e-5 /* of the largest diagonal entry */
-#define MAP_SLOPE 0.5
 #define MAP_LEAST_SHIFT 1e-11
-enum { MAP_STEPS = 500, MAP_LOOKS = 30, MAP_LONGEST = 1024 };
+#define MAP_SLOPE 0.5    /* of the first slope: what the line search leaves */
+#define MAP_OPTIMAL 1e-5 /* how well the overlap equations are solved, in <fn> */
+enum {
+    MAP_STEPS = 500,
+    MAP_LOOKS = 30,
+    MAP_LONGEST = 1024,
+    MAP_ROUNDS = 6,
+    MAP_WIDTH = NETWORK_WIDTH + EVIDENCE_WIDTH
+};
 
 struct map {
     const struct network *network;
     const struct force_options *options;
-    const double *variance, *prior;
+    struct evidence *evidence;
     struct sparse *matrix;
-    double *y, *step, *trial, *gradient, *trial_gradient;
-    double *relative; /* A' y */
-    double *forces;   /* P(z) */
+    size_t dofs, count, errors;                         /* sizes of y, l, e */
+    double *point, *step, *trial, *slope, *trial_slope; /* (y, l) and gradients of phi */
+    double *relative;                                   /* A' y */
+    double *forces;                                     /* P(z) */
+    double *error;                                      /* e = B' l */
+    double (*curve)[3];                                 /* V times the derivative of P: nn, nt, tt */
+    double *slack;                                      /* of this round */
+    double *diagonal, *right, *solution;                /* of the system in (y, e) */
 };
 
 static void map_free(struct map *map)
 {
     sparse_free(map->matrix);
-    free(map->y), free(map->step), free(map->trial), free(map->gradient), free(map->trial_gradient);
-    free(map->relative), free(map->forces);
+    free(map->point), free(map->step), free(map->trial), free(map->slope), free(map->trial_slope);
+    free(map->relative), free(map->forces), free(map->error), free(map->curve), free(map->slack);
+    free(map->diagonal), free(map->right), free(map->solution);
 }
 
-static int map_begin(const struct network *network, const struct force_options *options, const double *variance,
-                     const double *prior, struct map *map)
+static struct sparse *network_matrix(const struct map *map)
 {
-    size_t dofs = network->dofs + 1, unknowns = 2 * network->count + 1;
-    *map = (struct map){.network = network, .options = options, .variance = variance, .prior = prior};
-    map->y = calloc(dofs, sizeof(double));
-    map->step = calloc(dofs, sizeof(double));
-    map->trial = calloc(dofs, sizeof(double));
-    map->gradient = calloc(dofs, sizeof(double));
-    map->trial_gradient = calloc(dofs, sizeof(double));
-    map->relative = calloc(unknowns, sizeof(double));
-    map->forces = calloc(unknowns, sizeof(double));
-    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
-    if (!map->y || !map->step || !map->trial || !map->gradient || !map->trial_gradient || !map->relative ||
-        !map->forces || !place) {
-        free(place);
-        return error_memory("map");
+    int *place = malloc((map->count * MAP_WIDTH + 1) * sizeof *place);
+    if (!place) {
+        error_set(EXIT_FAILED, "out of memory: map");
+        return NULL;
     }
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
-    map->matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
+    for (size_t c = 0; c < map->count; c++) {
+        memcpy(place + c * MAP_WIDTH, map->network->contact[c].dof, sizeof map->network->contact[c].dof);
+        for (int k = 0; k < EVIDENCE_WIDTH; k++) {
+            int error = map->evidence->place[c][k];
+            place[c * MAP_WIDTH + NETWORK_WIDTH + (size_t)k] = error < 0 ? -1 : (int)map->dofs + error;
+        }
+    }
+    struct sparse *matrix = sparse_create(map->dofs + map->errors, map->count, MAP_WIDTH, place);
     free(place);
+    return matrix;
+}
+
+static int map_begin(const struct network *network, const struct force_options *options, struct evidence *evidence,
+                     struct map *map)
+{
+    *map = (struct map){.network = network,
+                        .options = options,
+                        .evidence = evidence,
+                        .dofs = network->dofs,
+                        .count = network->count,
+                        .errors = evidence->errors};
+    size_t size = map->dofs + map->count + 1, system = map->dofs + map->errors + 1;
+    map->point = calloc(size, sizeof(double));
+    map->step = calloc(size, sizeof(double));
+    map->trial = calloc(size, sizeof(double));
+    map->slope = calloc(size, sizeof(double));
+    map->trial_slope = calloc(size, sizeof(double));
+    map->relative = calloc(2 * map->count + 1, sizeof(double));
+    map->forces = calloc(2 * map->count + 1, sizeof(double));
+    map->error = calloc(map->errors + 1, sizeof(double));
+    map->curve = calloc(map->count + 1, sizeof *map->curve);
+    map->slack = calloc(map->count + 1, sizeof(double));
+    map->diagonal = calloc(system, sizeof(double));
+    map->right = calloc(system, sizeof(double));
+    map->solution = calloc(system, sizeof(double));
+    if (!map->point || !map->step || !map->trial || !map->slope || !map->trial_slope || !map->relative ||
+        !map->forces || !map->error || !map->curve || !map->slack || !map->diagonal || !map->right || !map->solution)
+        return error_memory("map");
+    map->matrix = network_matrix(map);
     return map->matrix ? 0 : -1;
 }
 
-/* Projection of (n, t) onto the wedge |t| <= mu n in the norm n^2 / vn + t^2 / vt. `curve` receives V times its
- * derivative: the symmetric matrix {nn, nt, tt}. */
+/* Projection of (n, t) onto the wedge |t| <= mu n in the norm n^2 / vn + t^2 / vt; curve: V times its derivative. */
 static void project(double mu, const double v[2], double n, double t, double out[2], double curve[3])
 {
     if (!(mu > 0) || v[1] <= 0) { /* a half line */
@@ -83,66 +124,145 @@ static void project(double mu, const double v[2], double n, double t, double out
     curve[0] = pushes ? 1 / norm : 0, curve[1] = s * curve[0], curve[2] = s * s * curve[0];
 }
 
-/* The gradient of phi at y and the forces P(z); assembles the Newton matrix when asked. */
-static void evaluate(struct map *map, const double *y, double *gradient, int assemble)
+static int has_overlap(const struct map *map, size_t c)
 {
-    const struct network *network = map->network;
-    network_motion(network, y, map->relative);
-    if (assemble)
-        sparse_clear(map->matrix);
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        const double *v = &map->variance[2 * c];
-        double *f = &map->forces[2 * c], curve[3];
-        project(contact->mu, v, map->prior[2 * c] + v[0] * map->relative[2 * c],
-                map->prior[2 * c + 1] + v[1] * map->relative[2 * c + 1], f, curve);
-        if (!assemble || curve[0] + curve[2] <= 0)
-            continue;
-        double block[NETWORK_WIDTH * NETWORK_WIDTH];
-        for (int i = 0; i < NETWORK_WIDTH; i++) {
-            double a = contact->n[i] * curve[0] + contact->t[i] * curve[1];
-            double b = contact->n[i] * curve[1] + contact->t[i] * curve[2];
-            for (int j = 0; j <= i; j++)
-                block[i * NETWORK_WIDTH + j] = a * contact->n[j] + b * contact->t[j];
-        }
-        sparse_add(map->matrix, c, block);
-    }
-    network_unbalance(network, map->forces, gradient);
+    return isfinite(map->evidence->measured[c]) && !map->evidence->open[c];
 }
 
-/* Newton direction; the shift keeps the matrix positive definite where contacts are open, and vanishes with the
- * gradient, so that the last steps are exact. */
+static double error_at(const struct map *map, size_t c)
+{
+    double sum = 0;
+    for (int k = 0; k < EVIDENCE_WIDTH && map->evidence->place[c][k] >= 0; k++)
+        sum += map->evidence->share[c][k] * map->error[map->evidence->place[c][k]];
+    return sum;
+}
+
+/* The gradient of phi at (y, l); leaves P(z), its curve and e. */
+static void evaluate(struct map *map, const double *point, double *slope)
+{
+    const struct evidence *evidence = map->evidence;
+    const double *l = point + map->dofs;
+    network_motion(map->network, point, map->relative);
+    memset(map->error, 0, map->errors * sizeof(double));
+    for (size_t c = 0; c < map->count; c++) {
+        const double *v = &evidence->variance[2 * c];
+        double *f = &map->forces[2 * c], *curve = map->curve[c];
+        if (evidence->open[c]) {
+            f[0] = f[1] = curve[0] = curve[1] = curve[2] = 0;
+            continue;
+        }
+        project(map->network->contact[c].mu, v, evidence->prior[2 * c] + v[0] * (map->relative[2 * c] + l[c]),
+                evidence->prior[2 * c + 1] + v[1] * map->relative[2 * c + 1], f, curve);
+        for (int k = 0; k < EVIDENCE_WIDTH && evidence->place[c][k] >= 0; k++)
+            map->error[evidence->place[c][k]] += evidence->share[c][k] * l[c];
+    }
+    network_unbalance(map->network, map->forces, slope);
+    for (size_t c = 0; c < map->count; c++)
+        slope[map->dofs + c] =
+            has_overlap(map, c) ? map->forces[2 * c] + error_at(map, c) + map->slack[c] * l[c] - evidence->measured[c]
+                                : 0;
+}
+
+/* What contact c adds to the system: its equilibrium part less what its overlap equation takes up (d its pivot). */
+static void add_block(struct map *map, size_t c)
+{
+    const struct network_contact *contact = &map->network->contact[c];
+    const double *curve = map->curve[c], *share = map->evidence->share[c];
+    double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH], b[NETWORK_WIDTH];
+    int measured = has_overlap(map, c);
+    double d = curve[0] + map->slack[c], gain = measured ? 1 / d : 0;
+    for (int i = 0; i < NETWORK_WIDTH; i++) {
+        a[i] = contact->n[i] * curve[0] + contact->t[i] * curve[1];
+        b[i] = contact->n[i] * curve[1] + contact->t[i] * curve[2];
+        for (int j = 0; j <= i; j++)
+            block[i * MAP_WIDTH + j] = a[i] * contact->n[j] + b[i] * contact->t[j] - gain * a[i] * a[j];
+    }
+    for (int i = 0; i < EVIDENCE_WIDTH && measured; i++) {
+        double *row = &block[(NETWORK_WIDTH + i) * MAP_WIDTH];
+        for (int j = 0; j < NETWORK_WIDTH; j++)
+            row[j] = -gain * share[i] * a[j];
+        for (int j = 0; j <= i; j++)
+            row[NETWORK_WIDTH + j] = -gain * share[i] * share[j];
+    }
+    sparse_add(map->matrix, c, block);
+}
+
+static int assemble(struct map *map, double shift)
+{
+    double largest = 0;
+    sparse_clear(map->matrix);
+    for (size_t c = 0; c < map->count; c++)
+        if (map->curve[c][0] + map->curve[c][2] > 0 || has_overlap(map, c))
+            add_block(map, c);
+    for (size_t c = 0; c < map->count; c++)
+        largest = fmax(largest, map->curve[c][0] + map->curve[c][2]);
+    for (size_t d = 0; d < map->dofs; d++)
+        map->diagonal[d] = shift * (largest > 0 ? largest : 1);
+    for (size_t k = 0; k < map->errors; k++)
+        map->diagonal[map->dofs + k] = -1;
+    sparse_add_diagonal(map->matrix, map->diagonal, 0);
+    return sparse_factorise_indefinite(map->matrix);
+}
+
+static double stroke(const struct map *map, size_t c, int dof)
+{
+    const struct network_contact *contact = &map->network->contact[c];
+    return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
+}
+
+/* Newton's direction in (y, l), by way of the system in (y, e). */
 static int direction(struct map *map, double shift)
 {
-    sparse_add_diagonal(map->matrix, NULL, shift);
-    if (sparse_factorise(map->matrix) < 0 || sparse_solve(map->matrix, map->gradient, map->step))
+    const struct evidence *evidence = map->evidence;
+    if (assemble(map, shift))
         return -1;
-    for (size_t d = 0; d < map->network->dofs; d++)
-        map->step[d] = -map->step[d];
+    memset(map->right, 0, (map->dofs + map->errors) * sizeof(double));
+    for (size_t d = 0; d < map->dofs; d++)
+        map->right[d] = -map->slope[d];
+    for (size_t c = 0; c < map->count; c++) {
+        const int *dof = map->network->contact[c].dof, *place = evidence->place[c];
+        double g = has_overlap(map, c) ? map->slope[map->dofs + c] / (map->curve[c][0] + map->slack[c]) : 0;
+        for (int k = 0; k < NETWORK_WIDTH && dof[k] >= 0; k++)
+            map->right[dof[k]] += stroke(map, c, k) * g;
+        for (int k = 0; k < EVIDENCE_WIDTH && place[k] >= 0; k++)
+            map->right[map->dofs + (size_t)place[k]] += evidence->share[c][k] * g;
+    }
+    if (sparse_solve(map->matrix, map->right, map->solution))
+        return -1;
+    memcpy(map->step, map->solution, map->dofs * sizeof(double));
+    for (size_t c = 0; c < map->count; c++) {
+        const int *dof = map->network->contact[c].dof, *place = evidence->place[c];
+        double sum = map->slope[map->dofs + c];
+        for (int k = 0; k < NETWORK_WIDTH && dof[k] >= 0; k++)
+            sum += stroke(map, c, k) * map->solution[dof[k]];
+        for (int k = 0; k < EVIDENCE_WIDTH && place[k] >= 0; k++)
+            sum += evidence->share[c][k] * map->solution[map->dofs + (size_t)place[k]];
+        map->step[map->dofs + c] = has_overlap(map, c) ? -sum / (map->curve[c][0] + map->slack[c]) : 0;
+    }
     return 0;
 }
 
 static double slope_at(struct map *map, double length)
 {
-    size_t n = map->network->dofs;
+    size_t n = map->dofs + map->count;
     double slope = 0;
     for (size_t d = 0; d < n; d++)
-        map->trial[d] = map->y[d] + length * map->step[d];
-    evaluate(map, map->trial, map->trial_gradient, 0);
+        map->trial[d] = map->point[d] + length * map->step[d];
+    evaluate(map, map->trial, map->trial_slope);
     for (size_t d = 0; d < n; d++)
-        slope += map->trial_gradient[d] * map->step[d];
+        slope += map->trial_slope[d] * map->step[d];
     return slope;
 }
 
 /* The minimum of phi along the step, from its slope, which grows along the line: bracketed by doubling, closed in by
- * regula falsi (Illinois) until half of the first slope is left. An evaluation costs a small part of a
- * factorisation. Moves y and returns the length; 0: no decrease. */
+ * regula falsi (Illinois) until half of the first slope is left. An evaluation costs a small part of a factorisation.
+ * Moves the point and returns the length; 0: no decrease. */
 static double search(struct map *map)
 {
-    size_t n = map->network->dofs;
-    double first = 0, low = 0, high = 1, at_low, at_high, length = 1;
+    size_t n = map->dofs + map->count;
+    double first = 0, low = 0, high = 1, at_low, at_high, length;
     for (size_t d = 0; d < n; d++)
-        first += map->gradient[d] * map->step[d];
+        first += map->slope[d] * map->step[d];
     if (!(first < 0))
         return 0;
     at_low = first;
@@ -165,51 +285,91 @@ static double search(struct map *map)
         }
     }
     for (size_t d = 0; d < n; d++)
-        map->y[d] += length * map->step[d];
+        map->point[d] += length * map->step[d];
     return length;
 }
 
-static int iterate(struct map *map, double *f, struct outcome *outcome)
+static double largest_of(size_t n, const double *a)
 {
-    const struct network *network = map->network;
-    size_t size = 2 * network->count * sizeof(double);
-    int limit = map->options->iterations > 0 ? map->options->iterations : MAP_STEPS;
-    double best = INFINITY, shift = MAP_FIRST_SHIFT;
-    for (outcome->iterations = 0;; outcome->iterations++) {
-        double largest = 0;
-        evaluate(map, map->y, map->gradient, 1);
-        for (size_t d = 0; d < network->dofs; d++)
-            largest = fmax(largest, fabs(map->gradient[d]));
-        double imbalance = largest / network_mean_force(network, map->forces);
-        if (imbalance < best) {
-            best = imbalance;
-            memcpy(f, map->forces, size);
+    double largest = 0;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, fabs(a[k]));
+    return largest;
+}
+
+/* Newton steps for the present set of closed contacts; f keeps the best forces. *imbalance: of f. */
+static int newton(struct map *map, double *f, int limit, struct outcome *outcome)
+{
+    double shift = MAP_FIRST_SHIFT;
+    outcome->imbalance = INFINITY;
+    for (;; outcome->iterations++) {
+        evaluate(map, map->point, map->slope);
+        double imbalance = largest_of(map->dofs, map->slope) / network_mean_force(map->network, map->forces);
+        double left = largest_of(map->count, map->slope + map->dofs);
+        if (imbalance < outcome->imbalance || (imbalance <= map->options->tolerance && left <= MAP_OPTIMAL)) {
+            outcome->imbalance = imbalance;
+            memcpy(f, map->forces, 2 * map->count * sizeof *f);
         }
-        if (imbalance <= map->options->tolerance || outcome->iterations >= limit)
-            break;
-        double scale = sparse_largest(map->matrix);
-        if (direction(map, (scale > 0 ? scale : 1) * shift))
+        if ((imbalance <= map->options->tolerance && left <= MAP_OPTIMAL) || outcome->iterations >= limit)
+            return 0;
+        if (direction(map, shift))
             return -1;
         double length = search(map);
         if (length == 0)
-            break;
+            return 0;
         shift = length > 0.5 ? fmax(MAP_LEAST_SHIFT, shift / 10) : length < 0.1 ? fmin(1, shift * 4) : shift;
     }
-    outcome->imbalance = best;
-    outcome->converged = best <= map->options->tolerance;
+}
+
+/* A contact that carries nothing and whose most likely overlap is negative is open: its overlap says nothing more. One
+ * whose most likely overlap has become positive closes. Returns how many changed. */
+static size_t reopen(struct map *map)
+{
+    struct evidence *evidence = map->evidence;
+    size_t changed = 0;
+    for (size_t c = 0; c < map->count; c++) {
+        if (!isfinite(evidence->measured[c]))
+            continue;
+        double overlap = evidence->measured[c] - error_at(map, c);
+        int open = evidence->open[c] ? !(overlap > 0) : map->forces[2 * c] <= 0 && overlap < 0;
+        changed += open != evidence->open[c];
+        evidence->open[c] = (unsigned char)open;
+        if (open)
+            map->point[map->dofs + c] = 0;
+    }
+    return changed;
+}
+
+/* First round: a gap is believed only to its own size, so that lost contacts can come in. */
+static void set_slack(struct map *map, int round)
+{
+    for (size_t c = 0; c < map->count; c++) {
+        double gap = fmin(0, map->evidence->measured[c]);
+        map->slack[c] = map->evidence->slack[c] + (round == 0 && isfinite(gap) ? gap * gap : 0);
+    }
+}
+
+static int rounds(struct map *map, double *f, struct outcome *outcome)
+{
+    int limit = map->options->iterations > 0 ? map->options->iterations : MAP_STEPS;
+    *outcome = (struct outcome){0};
+    for (int round = 0; round < MAP_ROUNDS; round++) {
+        set_slack(map, round);
+        if (newton(map, f, limit, outcome))
+            return -1;
+        evaluate(map, map->point, map->slope);
+        if (reopen(map) == 0 && round > 0)
+            break;
+    }
+    outcome->converged = outcome->imbalance <= map->options->tolerance;
     return 0;
 }
 
-int map_solve(const struct network *network, const struct force_options *options, const double *variance, double *f,
+int map_solve(const struct network *network, const struct force_options *options, struct evidence *evidence, double *f,
               struct outcome *outcome)
 {
     struct map map;
-    double *prior = malloc((2 * network->count + 1) * sizeof *prior);
-    if (!prior)
-        return error_memory("map");
-    memcpy(prior, f, 2 * network->count * sizeof *prior);
-    int status = map_begin(network, options, variance, prior, &map) || iterate(&map, f, outcome) ? -1 : 0;
+    int status = map_begin(network, options, evidence, &map) || rounds(&map, f, outcome) ? -1 : 0;
     map_free(&map);
-    free(prior);
     return status;
 }

@@ -14,10 +14,6 @@ struct outcome {
 /* Each takes the start in f and leaves admissible forces there. */
 int cdm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome);
 int qsm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome);
-/* `variance` (of fn, ft, in working units) says how far the start is to be trusted. */
-int map_solve(const struct network *network, const struct force_options *options, const double *variance, double *f,
-              struct outcome *outcome);
-
 /* One contact of cdm: forces that stop the relative velocity (un, ut), under Signorini's and Coulomb's laws, given the
  * inverse mass matrix w = {Wnn, Wnt, Wtt} (thesis 2.14, 2.24). relaxation 1: exactly; more: beyond. */
 void cdm_contact(const double w[3], double mu, double un, double ut, double relaxation, double *fn, double *ft);

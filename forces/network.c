@@ -185,39 +185,68 @@ static double mean_radius(const struct grains *grains)
     return count && sum > 0 ? sum / (double)count : 1;
 }
 
-/* <fn> from the loads: the virial sum of fn l over the contacts equals that of the loads from outside, counted from
- * the far side of the packing, where the reactions are. */
-static double force_from_loads(const struct packing *packing, const struct network *network)
+/* Where the lines of the fixed walls meet: their reactions, along their normals, have no virial about it. A direction
+ * without a fixed wall is counted from the far end of the packing. 0: a reaction cannot be left out so (two opposite
+ * walls or a grain are fixed). */
+static int far_corner(const struct packing *packing, const struct network *network, double corner[2])
 {
     const struct grains *g = &packing->grains;
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, virial = 0, length = 0;
-    for (size_t k = 0; k < g->count; k++) {
-        if (!isfinite(g->x[k]) || !isfinite(g->y[k]) || !isfinite(g->radius[k]))
+    int held[2] = {0, 0}, exact = 1;
+    for (size_t w = 0; w < packing->walls.count; w++) {
+        if (network->wall_dof[w] >= 0 || wall_is_disc(&packing->walls, w))
             continue;
-        low[0] = fmin(low[0], g->x[k] - g->radius[k]), high[0] = fmax(high[0], g->x[k] + g->radius[k]);
-        low[1] = fmin(low[1], g->y[k] - g->radius[k]), high[1] = fmax(high[1], g->y[k] + g->radius[k]);
+        int upright = fabs(wall_inward(&packing->walls, w).x) > 0.7;
+        double x = 0.5 * (packing->walls.x0[w] + packing->walls.x1[w]);
+        corner[!upright] = upright ? x : 0.5 * (packing->walls.y0[w] + packing->walls.y1[w]);
+        exact &= ++held[!upright] < 2;
     }
+    double low[2] = {INFINITY, INFINITY};
+    for (size_t k = 0; k < g->count; k++) {
+        exact &= !grain_fixed(packing, k);
+        low[0] = fmin(low[0], isfinite(g->x[k]) ? g->x[k] - g->radius[k] : INFINITY);
+        low[1] = fmin(low[1], isfinite(g->y[k]) ? g->y[k] - g->radius[k] : INFINITY);
+    }
+    for (int d = 0; d < 2; d++)
+        if (held[d] != 1)
+            corner[d] = isfinite(low[d]) ? low[d] : 0;
+    return exact;
+}
+
+/* The sum of fn times branch length over the contacts, from the loads: -sum F . x about the far corner. */
+static double virial_of_loads(const struct packing *packing, const struct network *network, int *exact)
+{
+    const struct grains *g = &packing->grains;
+    double corner[2], virial = 0;
+    *exact = far_corner(packing, network, corner);
     for (size_t w = 0; w < packing->walls.count; w++) {
         if (network->wall_dof[w] < 0)
             continue;
         struct vec in = wall_inward(&packing->walls, w);
-        virial +=
-            fabs(wall_load(&packing->walls, w)) * (fabs(in.x) * (high[0] - low[0]) + fabs(in.y) * (high[1] - low[1]));
+        struct vec middle = vec(0.5 * (packing->walls.x0[w] + packing->walls.x1[w]) - corner[0],
+                                0.5 * (packing->walls.y0[w] + packing->walls.y1[w]) - corner[1]);
+        virial -= wall_load(&packing->walls, w) * vec_dot(in, middle);
     }
-    for (size_t k = 0; k < g->count; k++) {
-        double fx = grain_load(g->load_x, k), fy = grain_load(g->load_y, k);
-        if (fx == 0 && fy == 0)
-            continue;
-        virial += fabs(fx) * (fx > 0 ? high[0] - g->x[k] : g->x[k] - low[0]) +
-                  fabs(fy) * (fy > 0 ? high[1] - g->y[k] : g->y[k] - low[1]);
-    }
+    for (size_t k = 0; k < g->count; k++)
+        if (network->grain_dof[k] >= 0)
+            virial -=
+                grain_load(g->load_x, k) * (g->x[k] - corner[0]) + grain_load(g->load_y, k) * (g->y[k] - corner[1]);
+    return virial;
+}
+
+/* <fn> from the loads; sets the virial, still in N m. */
+static double force_from_loads(const struct packing *packing, struct network *network)
+{
+    double length = 0;
+    int exact;
     for (size_t c = 0; c < network->count; c++)
         length += network->contact[c].length * network->radius;
-    return length > 0 ? virial / length : 0;
+    double virial = virial_of_loads(packing, network, &exact);
+    network->virial = exact && virial > 0 ? virial : NAN;
+    return length > 0 ? fabs(virial) / length : 0;
 }
 
 /* The unit of force: from the loads, else from the overlaps, else 1 N. */
-static double force_unit(const struct packing *packing, const struct contact_law *law, const struct network *network)
+static double force_unit(const struct packing *packing, const struct contact_law *law, struct network *network)
 {
     double unit = force_from_loads(packing, network), sum = 0;
     if (isfinite(unit) && unit > 0)
@@ -392,6 +421,7 @@ static int fill(const struct packing *packing, const struct contact_law *law, co
             add_contact(packing, law, c, network);
     free(live);
     network->force = force_unit(packing, law, network);
+    network->virial /= network->force * network->radius;
     network->misfit = load_misfit(packing);
     fill_loads(packing, network);
     fill_masses(packing, options->wall_mass, network);

@@ -33,6 +33,7 @@ struct network {
     unsigned char *peeled; /* per grain: rattler, carries nothing */
     size_t grains, walls;
     double force, radius; /* N, m: the units */
+    double virial;        /* sum of fn times branch length that the loads impose, in units; NaN: reactions unknown */
     double misfit;        /* sum of all wall and grain loads over the largest, when every wall is loaded; else NaN */
 };
 

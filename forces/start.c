@@ -7,17 +7,14 @@
 
 #include "pipeline/error.h"
 
-/* Scale the forces of overlaps so that their virial is that of the loads: in working units the mean over contacts of
- * fn l is then the mean of l. */
+/* Scale the forces of overlaps so that their virial is that of the loads, where that is known. */
 static void rescale_to_loads(const struct network *network, double *f)
 {
-    double virial = 0, length = 0;
-    for (size_t c = 0; c < network->count; c++) {
+    double virial = 0;
+    for (size_t c = 0; c < network->count; c++)
         virial += f[2 * c] * network->contact[c].length;
-        length += network->contact[c].length;
-    }
-    for (size_t c = 0; c < network->count && virial > 0; c++)
-        f[2 * c] *= length / virial;
+    for (size_t c = 0; c < network->count && virial > 0 && isfinite(network->virial); c++)
+        f[2 * c] *= network->virial / virial;
 }
 
 static int from_overlap(const struct packing *packing, const struct network *network,

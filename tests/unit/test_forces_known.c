@@ -3,8 +3,7 @@
 
 #include "tests/unit/discs.h"
 
-#include "forces/infer_forces.h"
-#include "forces/method.h"
+#include "forces/evidence.h"
 #include "pipeline/error.h"
 
 static struct force_options options_with(double kn, double mu)
@@ -96,16 +95,20 @@ static void admissible_starts_stay(void **state)
     check_done(network_build(&packing, &options.law, &network_options, &network));
     for (double mobilised = -1; mobilised <= 1; mobilised += 0.25) {
         double fn = 1530 / sqrt(2) / (1 + 0.5 * mobilised) / network.force, ft = 0.5 * mobilised * fn;
-        double f[4] = {fn, ft, fn, -ft}, variance[4] = {1, 1, 1, 1};
+        double f[4] = {fn, ft, fn, -ft};
         struct outcome outcome;
+        struct evidence evidence;
         check_done(qsm_solve(&network, &options, f, &outcome));
         check_near(f[0], fn, 1e-12);
         check_near(f[1], ft, 1e-12);
         check_done(cdm_solve(&network, &options, f, &outcome));
         check_near(f[0], fn, 1e-12);
-        check_done(map_solve(&network, &options, variance, f, &outcome));
+        options.start = START_PREVIOUS;
+        check_done(evidence_build(&packing, &network, &options, f, &evidence));
+        check_done(map_solve(&network, &options, &evidence, f, &outcome));
         check_near(f[2], fn, 1e-9);
         check_near(f[3], -ft, 1e-9);
+        evidence_free(&evidence);
     }
     network_free(&network);
     packing_free(&packing);

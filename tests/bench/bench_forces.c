@@ -1,0 +1,162 @@
+/* Speed against error of the force methods, on virtual states with known forces (docs/forces.md):
+ *
+ *     bench_forces speed|noise|network|size [--kappa K,...] [--grains N] [--seed S]
+ *
+ * All times are CPU seconds of one thread, the network and its factorisation included. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "tests/bench/force_states.h"
+
+struct bench {
+    double kappa[8], grains;
+    int kappas;
+    long steps;
+    uint64_t seed;
+};
+
+static struct force_options usual(void)
+{
+    struct force_options options = FORCE_OPTIONS_DEFAULT;
+    options.law.kn = 1.09e7;
+    options.law.mu = 0.5;
+    return options;
+}
+
+/* One run, one line. */
+static int measure(const struct packing *truth, const struct packing *packing, const struct force_options *options,
+                   enum force_method method, const char *label)
+{
+    struct forces forces;
+    double begin = states_cpu();
+    if (infer_forces(packing, options, method, &forces))
+        return -1;
+    double cpu = states_cpu() - begin;
+    const struct forces *dem = packing_forces(truth, "dem");
+    printf("%-34s %-4s %-8s %7d %7.3f  %8.1e %s  %.4f  %.4f\n", label, forces.method, forces.start, forces.iterations,
+           cpu, forces.imbalance, forces.converged ? "yes" : "no ",
+           states_r(truth, packing, dem->contact.fn, forces.contact.fn, 1),
+           states_r(truth, packing, dem->contact.ft, forces.contact.ft, 0));
+    fflush(stdout);
+    forces_free(&forces);
+    return 0;
+}
+
+static void headline(void)
+{
+    printf("%-34s %-4s %-8s %7s %7s  %8s %s  %-6s  %s\n", "state", "meth", "start", "its", "cpu/s", "residual", "ok ",
+           "r(fn)", "r(ft)");
+}
+
+typedef int table(const struct bench *bench, const struct packing *truth, const char *label);
+
+static int table_speed(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    (void)bench;
+    static const double tolerances[] = {1e-2, 1e-4, 1e-6, 1e-8};
+    static const enum force_start starts[] = {START_ZERO, START_OVERLAP};
+    for (int method = METHOD_CDM; method <= METHOD_MAP; method++)
+        for (int s = 0; s < 2; s++)
+            for (int t = 0; t < 4; t++) {
+                struct force_options options = usual();
+                options.start = starts[s];
+                options.tolerance = tolerances[t];
+                if (measure(truth, truth, &options, (enum force_method)method, label))
+                    return -1;
+            }
+    return 0;
+}
+
+/* Errors as in the table of the joint estimate: s px with <fn> = 66 N, kn = 1e7 N/m and 6e-5 m/px. */
+#define PIXEL (1e7 * 6e-5 / 66)
+
+static int disturbed(const struct bench *bench, const struct packing *truth, const char *label, double place,
+                     double radius, int network)
+{
+    struct disturbance disturbance = {place, radius, network, bench->seed};
+    struct packing measured;
+    char text[100];
+    snprintf(text, sizeof text, "%s place %.3g radius %.3g", label, place, radius);
+    int status = states_disturb(truth, &disturbance, &measured);
+    for (int method = METHOD_CDM; !status && method <= METHOD_MAP; method++) {
+        struct force_options options = usual();
+        options.start = START_OVERLAP;
+        options.rescale = 1;
+        options.iterations = method == METHOD_CDM ? 4000 : 0;
+        status = measure(truth, &measured, &options, (enum force_method)method, text);
+    }
+    packing_free(&measured);
+    return status;
+}
+
+static int table_noise(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const double pixels[] = {0.01, 0.03, 0.1, 0.3};
+    for (int k = 0; k < 4; k++)
+        if (disturbed(bench, truth, label, PIXEL * pixels[k], 0, 0))
+            return -1;
+    return disturbed(bench, truth, label, PIXEL * 0.1, PIXEL * 0.1, 0);
+}
+
+/* Jitter of a share of the mean overlap, contacts found again. */
+static int table_network(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const double jitter[] = {0.1, 0.3, 1};
+    for (int k = 0; k < 3; k++)
+        if (disturbed(bench, truth, label, jitter[k], 0, 1))
+            return -1;
+    return 0;
+}
+
+static int run(const struct bench *bench, table *make)
+{
+    headline();
+    for (int k = 0; k < bench->kappas; k++) {
+        struct states states;
+        int failed = states_simulate(bench->grains, bench->kappa[k], 1, bench->steps, 1e-3, &states) < 0;
+        for (size_t s = 0; !failed && s < states.count; s++) {
+            char label[60];
+            snprintf(label, sizeof label, "kappa %g state %zu", bench->kappa[k], s);
+            failed = make(bench, &states.state[s], label);
+        }
+        states_free(&states);
+        if (failed)
+            return -1;
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        table *make;
+    } tables[] = {{"speed", table_speed}, {"noise", table_noise}, {"network", table_network}};
+    struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .seed = 7};
+    table *make = NULL;
+    for (int k = 1; k < argc; k++) {
+        const char *value = k + 1 < argc ? argv[k + 1] : "";
+        for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
+            if (!strcmp(argv[k], tables[t].name))
+                make = tables[t].make;
+        if (!strcmp(argv[k], "--kappa"))
+            for (bench.kappas = 0; *value && bench.kappas < 8; value += *value == ',')
+                bench.kappa[bench.kappas++] = strtod(value, (char **)&value);
+        if (!strcmp(argv[k], "--grains"))
+            bench.grains = strtod(value, NULL);
+        if (!strcmp(argv[k], "--seed"))
+            bench.seed = strtoull(value, NULL, 10);
+        if (!strcmp(argv[k], "--steps"))
+            bench.steps = strtol(value, NULL, 10);
+    }
+    if (!make) {
+        fprintf(stderr, "bench_forces: which table? speed, noise or network [--kappa K,... --grains N --steps N]\n");
+        return EXIT_USAGE;
+    }
+    if (!run(&bench, make))
+        return EXIT_DONE;
+    fprintf(stderr, "bench_forces: %s\n", error_message());
+    return EXIT_FAILED;
+}
