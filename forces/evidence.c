@@ -6,10 +6,11 @@
 #include "pipeline/error.h"
 
 /* Overlaps are never better known than this share of <fn>: the contact law itself is not. */
-#define PRIOR_MEAN (getenv("PM") ? atof(getenv("PM")) : 1)
-#define PRIOR_NN (getenv("PN") ? atof(getenv("PN")) : 9)
-#define PRIOR_TT (getenv("PT") ? atof(getenv("PT")) : 1)
 #define LEAST_SLACK 0.01
+/* A wide belief where overlaps speak: it only keeps forces that nothing else determines from growing. */
+#define PRIOR_MEAN 1
+#define PRIOR_NN 9
+#define PRIOR_TT 1
 
 void evidence_free(struct evidence *evidence)
 {

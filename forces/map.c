@@ -11,7 +11,7 @@
  * quadratic: semismooth Newton (Qi and Sun 1993) with a proximal shift and a line search on the slope converges from
  * anywhere in a few tens of steps. l is eliminated contact by contact, which leaves a quasi-definite system in (y, e)
  * with the pattern of the network. */
-#include "forces/evidence.h"
+#include "forces/map.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,30 +21,11 @@
 
 #define MAP_FIRST_SHIFT 1e-5 /* of the largest diagonal entry */
 #define MAP_LEAST_SHIFT 1e-11
-#define MAP_SLOPE 0.5    /* of the first slope: what the line search leaves */
-#define MAP_OPTIMAL 1e-5 /* how well the overlap equations are solved, in <fn> */
-enum {
-    MAP_STEPS = 500,
-    MAP_LOOKS = 30,
-    MAP_LONGEST = 1024,
-    MAP_ROUNDS = 6,
-    MAP_WIDTH = NETWORK_WIDTH + EVIDENCE_WIDTH
-};
-
-struct map {
-    const struct network *network;
-    const struct force_options *options;
-    struct evidence *evidence;
-    struct sparse *matrix;
-    size_t dofs, count, errors;                         /* sizes of y, l, e */
-    double *point, *step, *trial, *slope, *trial_slope; /* (y, l) and gradients of phi */
-    double *relative;                                   /* A' y */
-    double *forces;                                     /* P(z) */
-    double *error;                                      /* e = B' l */
-    double (*curve)[3];                                 /* V times the derivative of P: nn, nt, tt */
-    double *slack;                                      /* of this round */
-    double *diagonal, *right, *solution;                /* of the system in (y, e) */
-};
+#define MAP_SLOPE 0.5     /* of the first slope: what the line search leaves */
+#define SOFT_BALANCE 0.01 /* <fn> */
+#define MAP_OPEN 1e-4     /* <fn>: carries nothing */
+#define MAP_OPTIMAL 1e-5  /* how well the overlap equations are solved, in <fn> */
+enum { MAP_STEPS = 30, MAP_LOOKS = 30, MAP_LONGEST = 1024, MAP_ROUNDS = 6 };
 
 static void map_free(struct map *map)
 {
@@ -124,17 +105,25 @@ static void project(double mu, const double v[2], double n, double t, double out
     curve[0] = pushes ? 1 / norm : 0, curve[1] = s * curve[0], curve[2] = s * s * curve[0];
 }
 
-static int has_overlap(const struct map *map, size_t c)
+int map_measured(const struct map *map, size_t c)
 {
     return isfinite(map->evidence->measured[c]) && !map->evidence->open[c];
 }
 
-static double error_at(const struct map *map, size_t c)
+double map_error_at(const struct map *map, size_t c)
 {
     double sum = 0;
     for (int k = 0; k < EVIDENCE_WIDTH && map->evidence->place[c][k] >= 0; k++)
         sum += map->evidence->share[c][k] * map->error[map->evidence->place[c][k]];
     return sum;
+}
+
+void map_errors(struct map *map, const double *l)
+{
+    memset(map->error, 0, map->errors * sizeof(double));
+    for (size_t c = 0; c < map->count; c++)
+        for (int k = 0; k < EVIDENCE_WIDTH && map->evidence->place[c][k] >= 0; k++)
+            map->error[map->evidence->place[c][k]] += map->evidence->share[c][k] * l[c];
 }
 
 /* The gradient of phi at (y, l); leaves P(z), its curve and e. */
@@ -143,7 +132,7 @@ static void evaluate(struct map *map, const double *point, double *slope)
     const struct evidence *evidence = map->evidence;
     const double *l = point + map->dofs;
     network_motion(map->network, point, map->relative);
-    memset(map->error, 0, map->errors * sizeof(double));
+    map_errors(map, l);
     for (size_t c = 0; c < map->count; c++) {
         const double *v = &evidence->variance[2 * c];
         double *f = &map->forces[2 * c], *curve = map->curve[c];
@@ -153,14 +142,12 @@ static void evaluate(struct map *map, const double *point, double *slope)
         }
         project(map->network->contact[c].mu, v, evidence->prior[2 * c] + v[0] * (map->relative[2 * c] + l[c]),
                 evidence->prior[2 * c + 1] + v[1] * map->relative[2 * c + 1], f, curve);
-        for (int k = 0; k < EVIDENCE_WIDTH && evidence->place[c][k] >= 0; k++)
-            map->error[evidence->place[c][k]] += evidence->share[c][k] * l[c];
     }
     network_unbalance(map->network, map->forces, slope);
     for (size_t c = 0; c < map->count; c++)
-        slope[map->dofs + c] =
-            has_overlap(map, c) ? map->forces[2 * c] + error_at(map, c) + map->slack[c] * l[c] - evidence->measured[c]
-                                : 0;
+        slope[map->dofs + c] = map_measured(map, c) ? map->forces[2 * c] + map_error_at(map, c) + map->slack[c] * l[c] -
+                                                          evidence->measured[c]
+                                                    : 0;
 }
 
 /* What contact c adds to the system: its equilibrium part less what its overlap equation takes up (d its pivot). */
@@ -169,7 +156,7 @@ static void add_block(struct map *map, size_t c)
     const struct network_contact *contact = &map->network->contact[c];
     const double *curve = map->curve[c], *share = map->evidence->share[c];
     double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH], b[NETWORK_WIDTH];
-    int measured = has_overlap(map, c);
+    int measured = map_measured(map, c);
     double d = curve[0] + map->slack[c], gain = measured ? 1 / d : 0;
     for (int i = 0; i < NETWORK_WIDTH; i++) {
         a[i] = contact->n[i] * curve[0] + contact->t[i] * curve[1];
@@ -187,17 +174,14 @@ static void add_block(struct map *map, size_t c)
     sparse_add(map->matrix, c, block);
 }
 
-static int assemble(struct map *map, double shift)
+int map_factorise(struct map *map, double shift)
 {
-    double largest = 0;
     sparse_clear(map->matrix);
     for (size_t c = 0; c < map->count; c++)
-        if (map->curve[c][0] + map->curve[c][2] > 0 || has_overlap(map, c))
+        if (map->curve[c][0] + map->curve[c][2] > 0 || map_measured(map, c))
             add_block(map, c);
-    for (size_t c = 0; c < map->count; c++)
-        largest = fmax(largest, map->curve[c][0] + map->curve[c][2]);
     for (size_t d = 0; d < map->dofs; d++)
-        map->diagonal[d] = shift * (largest > 0 ? largest : 1);
+        map->diagonal[d] = shift;
     for (size_t k = 0; k < map->errors; k++)
         map->diagonal[map->dofs + k] = -1;
     sparse_add_diagonal(map->matrix, map->diagonal, 0);
@@ -210,18 +194,15 @@ static double stroke(const struct map *map, size_t c, int dof)
     return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
 }
 
-/* Newton's direction in (y, l), by way of the system in (y, e). */
-static int direction(struct map *map, double shift)
+int map_back_solve(struct map *map)
 {
     const struct evidence *evidence = map->evidence;
-    if (assemble(map, shift))
-        return -1;
     memset(map->right, 0, (map->dofs + map->errors) * sizeof(double));
     for (size_t d = 0; d < map->dofs; d++)
         map->right[d] = -map->slope[d];
     for (size_t c = 0; c < map->count; c++) {
         const int *dof = map->network->contact[c].dof, *place = evidence->place[c];
-        double g = has_overlap(map, c) ? map->slope[map->dofs + c] / (map->curve[c][0] + map->slack[c]) : 0;
+        double g = map_measured(map, c) ? map->slope[map->dofs + c] / (map->curve[c][0] + map->slack[c]) : 0;
         for (int k = 0; k < NETWORK_WIDTH && dof[k] >= 0; k++)
             map->right[dof[k]] += stroke(map, c, k) * g;
         for (int k = 0; k < EVIDENCE_WIDTH && place[k] >= 0; k++)
@@ -237,7 +218,7 @@ static int direction(struct map *map, double shift)
             sum += stroke(map, c, k) * map->solution[dof[k]];
         for (int k = 0; k < EVIDENCE_WIDTH && place[k] >= 0; k++)
             sum += evidence->share[c][k] * map->solution[map->dofs + (size_t)place[k]];
-        map->step[map->dofs + c] = has_overlap(map, c) ? -sum / (map->curve[c][0] + map->slack[c]) : 0;
+        map->step[map->dofs + c] = map_measured(map, c) ? -sum / (map->curve[c][0] + map->slack[c]) : 0;
     }
     return 0;
 }
@@ -297,6 +278,14 @@ static double largest_of(size_t n, const double *a)
     return largest;
 }
 
+static double stiffest(const struct map *map)
+{
+    double largest = 0;
+    for (size_t c = 0; c < map->count; c++)
+        largest = fmax(largest, map->curve[c][0] + map->curve[c][2]);
+    return largest > 0 ? largest : 1;
+}
+
 /* Newton steps for the present set of closed contacts; f keeps the best forces. *imbalance: of f. */
 static int newton(struct map *map, double *f, int limit, struct outcome *outcome)
 {
@@ -312,7 +301,7 @@ static int newton(struct map *map, double *f, int limit, struct outcome *outcome
         }
         if ((imbalance <= map->options->tolerance && left <= MAP_OPTIMAL) || outcome->iterations >= limit)
             return 0;
-        if (direction(map, shift))
+        if (map_factorise(map, shift * stiffest(map)) || map_back_solve(map))
             return -1;
         double length = search(map);
         if (length == 0)
@@ -321,46 +310,57 @@ static int newton(struct map *map, double *f, int limit, struct outcome *outcome
     }
 }
 
-/* A contact that carries nothing and whose most likely overlap is negative is open: its overlap says nothing more. One
- * whose most likely overlap has become positive closes. Returns how many changed. */
-static size_t reopen(struct map *map)
+/* First a gap is believed only to its own size, so that lost contacts can come in. Then a contact that carries nothing
+ * and whose most likely overlap is negative is open: its overlap is believed only to the size of that gap, which hardly
+ * costs or pulls any more. Returns how many contacts the rule found. */
+static size_t set_slack(struct map *map, int round, const double *f)
 {
-    struct evidence *evidence = map->evidence;
-    size_t changed = 0;
+    size_t open = 0;
     for (size_t c = 0; c < map->count; c++) {
-        if (!isfinite(evidence->measured[c]))
-            continue;
-        double overlap = evidence->measured[c] - error_at(map, c);
-        int open = evidence->open[c] ? !(overlap > 0) : map->forces[2 * c] <= 0 && overlap < 0;
-        changed += open != evidence->open[c];
-        evidence->open[c] = (unsigned char)open;
-        if (open)
-            map->point[map->dofs + c] = 0;
+        double gap = round == 0 ? map->evidence->measured[c] : map->evidence->measured[c] - map_error_at(map, c);
+        int opens = isfinite(gap) && gap < 0 && (round == 0 || f[2 * c] <= MAP_OPEN);
+        map->slack[c] = map->evidence->slack[c] + (opens ? gap * gap : 0);
+        open += (size_t)opens;
     }
-    return changed;
+    return open;
 }
 
-/* First round: a gap is believed only to its own size, so that lost contacts can come in. */
-static void set_slack(struct map *map, int round)
+/* Interior point for the present set of closed contacts. When the loads cannot be balanced, again with equilibrium as
+ * an equation with an error of SOFT_BALANCE: the least unbalanced forces that the overlaps support. */
+static int interior(struct map *map, double *f, struct outcome *outcome)
 {
-    for (size_t c = 0; c < map->count; c++) {
-        double gap = fmin(0, map->evidence->measured[c]);
-        map->slack[c] = map->evidence->slack[c] + (round == 0 && isfinite(gap) ? gap * gap : 0);
-    }
+    int status = map_interior(map, 0, &outcome->iterations);
+    if (status == 1)
+        status = map_interior(map, SOFT_BALANCE * SOFT_BALANCE, &outcome->iterations);
+    if (status < 0)
+        return -1;
+    for (size_t c = 0; c < map->count; c++)
+        if (map->forces[2 * c] < 0.1 * map->options->tolerance)
+            map->forces[2 * c] = map->forces[2 * c + 1] = 0;
+    outcome->imbalance = network_judge(map->network, map->forces, map->trial_slope);
+    memcpy(f, map->forces, 2 * map->count * sizeof *f);
+    return 0;
+}
+
+static int solve(struct map *map, double *f, struct outcome *outcome)
+{
+    int limit = map->options->iterations > 0 ? map->options->iterations : map->errors > 0 ? 0 : MAP_STEPS;
+    if (limit > 0 && newton(map, f, limit, outcome))
+        return -1;
+    if (limit > 0 && outcome->imbalance <= map->options->tolerance)
+        return 0;
+    return interior(map, f, outcome);
 }
 
 static int rounds(struct map *map, double *f, struct outcome *outcome)
 {
-    int limit = map->options->iterations > 0 ? map->options->iterations : MAP_STEPS;
     *outcome = (struct outcome){0};
-    for (int round = 0; round < MAP_ROUNDS; round++) {
-        set_slack(map, round);
-        if (newton(map, f, limit, outcome))
-            return -1;
-        evaluate(map, map->point, map->slope);
-        if (reopen(map) == 0 && round > 0)
-            break;
-    }
+    set_slack(map, 0, f);
+    if (solve(map, f, outcome))
+        return -1;
+    map_errors(map, map->point + map->dofs);
+    if (set_slack(map, 1, f) > 0 && solve(map, f, outcome))
+        return -1;
     outcome->converged = outcome->imbalance <= map->options->tolerance;
     return 0;
 }
