@@ -8,11 +8,11 @@
 
 #include "pipeline/error.h"
 
-enum { INTERIOR_STEPS = 120 };
+enum { INTERIOR_STEPS = 120, INTERIOR_PATIENCE = 12 /* steps in which the imbalance must halve */ };
 #define INTERIOR_BALANCE 1e-9 /* in <fn> */
 #define INTERIOR_GAP 1e-8     /* mean of s q */
 #define INTERIOR_FIRST_GAP 10 /* the same at the start: about that of overlaps wrong by a few <fn> */
-#define INTERIOR_SHIFT 1e-10  /* on the diagonal only (proximal): pivots of mechanisms */
+#define INTERIOR_SHIFT 1e-10  /* times the gap, on the diagonal only (proximal): pivots of mechanisms */
 #define BOUNDARY 0.995        /* share of the way to the boundary that a step may go */
 
 struct interior {
@@ -180,7 +180,7 @@ static int solve_step(struct interior *in, int factorise)
         if (map_measured(map, c))
             map->slope[map->dofs + c] += in->push[2 * c];
     }
-    int status = factorise ? map_factorise(map, fmax(in->softness, INTERIOR_SHIFT)) : 0;
+    int status = factorise ? map_factorise(map, fmax(in->softness, INTERIOR_SHIFT * fmax(1e-6, fmin(1, in->gap)))) : 0;
     status = status || map_back_solve(map);
     memcpy(map->slope, rhs, (map->dofs + map->count) * sizeof(double));
     return status ? -1 : 0;
@@ -264,12 +264,16 @@ static int step(struct interior *in)
 int map_interior(struct map *map, double softness, int *iterations)
 {
     struct interior in = {.map = map, .softness = softness, .length = 1};
+    double history[INTERIOR_PATIENCE] = {0};
     int status = interior_begin(map, &in) ? -1 : 1;
     for (int k = 0; status == 1; k++, ++*iterations) {
         residuals(&in);
+        double before = history[k % INTERIOR_PATIENCE];
+        history[k % INTERIOR_PATIENCE] = in.balance;
         if (in.balance <= INTERIOR_BALANCE && in.data <= 1e-6 && in.gap <= INTERIOR_GAP)
             status = 0;
-        else if (k >= INTERIOR_STEPS || !isfinite(in.gap))
+        else if (k >= INTERIOR_STEPS || !isfinite(in.gap) ||
+                 (k >= INTERIOR_PATIENCE && in.balance > 1e-7 && in.balance > 0.5 * before))
             break;
         else if (step(&in))
             status = -1;
