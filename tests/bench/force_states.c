@@ -49,7 +49,7 @@ int states_simulate(double grains, double kappa, uint64_t seed, long steps, doub
     memset(states, 0, sizeof *states);
     simulation.seed = seed;
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){LAW_LINEAR, 1.09e7, 1, 0.5, 0};
+    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = kappa;
     simulation.tolerance = 1e-9;
     simulation.test = TEST_BIAXIAL_VERTICAL;
