@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-#define SURE 0.5    /* support at the capture that keeps a row whose fine fit failed */
-#define STILL 0.004 /* px of the last step: far below any standard error */
+#define SURE 0.5 /* support at the capture that keeps a row whose fine fit failed */
 #define ROUNDS 10
+#define ELLIPSES_SHOW 1.5 /* mean square of shapes over standard errors: 1 for circles */
 
 /* The rims that are to be kept, best first, none over another. */
 static int keep_supported(struct rims *rims)
@@ -30,11 +30,11 @@ static int keep_supported(struct rims *rims)
 }
 
 /* Ellipses pay when the second harmonics of the rims exceed their standard errors all over the photo. */
-static int ellipses_show(const struct rims *rims, double correlation)
+static int ellipses_show(const struct rims *rims, struct rows rows, double correlation)
 {
     double sum = 0, count = 0;
-    for (size_t k = 0; k < rims->count; k++) {
-        const struct refined *item = &rims->items[k];
+    for (size_t at = 0; at < rows.count; at++) {
+        const struct refined *item = &rims->items[rows.list[at]];
         if (!(item->s_shape > 0) || item->support < MEASURE_WEAK_SUPPORT)
             continue;
         double size2 = item->rim.c2 * item->rim.c2 + item->rim.s2 * item->rim.s2;
@@ -42,7 +42,7 @@ static int ellipses_show(const struct rims *rims, double correlation)
         sum += fmin(9, size2 / (2 * s * s));
         count += 1;
     }
-    return count > 0 && sum / count > 1.5;
+    return count > 0 && sum / count > ELLIPSES_SHOW;
 }
 
 static void forget_shapes(struct rims *rims)
@@ -51,38 +51,30 @@ static void forget_shapes(struct rims *rims)
         rims->items[k].rim.c2 = rims->items[k].rim.s2 = 0;
 }
 
-/* At least once, at most `most` times, until 98 % of the rims stand still. */
-static int iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state,
-                   struct rims *rims, int most)
+/* What a sample of the rims tells about the photo: blur, circles or ellipses, texture and band. */
+static int learn(const struct photo *photo, const struct zone *zone, enum find_shape shape, struct rims_state *state,
+                 struct rims *rims)
 {
-    for (int k = 0; k < most; k++) {
-        if (rims_iterate(photo, zone, state, rims))
-            return -1;
-        size_t moving = 0;
-        for (size_t j = 0; j < rims->count; j++)
-            moving += rims->items[j].moved > STILL;
-        if (moving * 50 <= rims->count)
-            break;
+    size_t list[RIMS_SAMPLE];
+    struct rows sample = rims_sample(rims, list);
+    state->ellipse = shape != FIND_SHAPE_CIRCLE;
+    if (rims_approach(photo, zone, state, 0, rims, sample) || rims_estimate_blur(photo, zone, state, rims, sample))
+        return -1;
+    state->window = 2.5 * state->blur;
+    if (rims_iterate(photo, zone, state, ROUNDS, rims, sample))
+        return -1;
+    if (shape == FIND_SHAPE_AUTO && !ellipses_show(rims, sample, rims_correlation(rims))) {
+        state->ellipse = 0;
+        forget_shapes(rims);
     }
-    return 0;
+    return rims_choose_window(photo, zone, state, rims, sample);
 }
 
 int measure_rims(const struct photo *photo, const struct zone *zone, enum find_shape shape, int keep_all,
                  struct rims_state *state, struct rims *rims)
 {
-    state->ellipse = shape != FIND_SHAPE_CIRCLE;
-    if (rims_approach(photo, zone, state, rims) || (!keep_all && keep_supported(rims)) ||
-        rims_estimate_blur(photo, zone, state, rims))
-        return -1;
-    state->window = 2.5 * state->blur;
-    if (iterate(photo, zone, state, rims, ROUNDS))
-        return -1;
-    if (shape == FIND_SHAPE_AUTO && !ellipses_show(rims, rims_correlation(rims))) {
-        state->ellipse = 0;
-        forget_shapes(rims);
-    }
-    if (rims_choose_window(photo, zone, state, rims) || (!keep_all && keep_supported(rims)) ||
-        iterate(photo, zone, state, rims, ROUNDS))
+    if (learn(photo, zone, shape, state, rims) || rims_approach(photo, zone, state, 1, rims, rims_all(rims)) ||
+        (!keep_all && keep_supported(rims)) || rims_iterate(photo, zone, state, ROUNDS, rims, rims_all(rims)))
         return -1;
     state->correlation = rims_correlation(rims);
     return 0;

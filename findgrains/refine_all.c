@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLE = 160, NEIGHBOURS = 64, LAGS = 8 };
+enum { NEIGHBOURS = 64, LAGS = 8 };
 /* 95 % efficient for normal errors; narrower where specks make outliers. */
 #define TUKEY_PLAIN 4.685
 #define TUKEY_TEXTURED 3.5
@@ -52,11 +52,13 @@ static size_t gather_neighbours(const struct rims *rims, size_t k, double reach,
     return count;
 }
 
-/* Rows of rims: all of them, or a sample. */
-struct rows {
-    const size_t *list; /* NULL: 0, 1, 2 ... */
-    size_t count;
-};
+/* Nothing to do: a known grain that is lost, or a rim whose last step was far below any standard error. */
+static int is_done(const struct refined *item, int leave_still)
+{
+    if (!isfinite(item->rim.x + item->rim.y + item->rim.radius))
+        return 1;
+    return leave_still && item->support > 0 && item->moved < RIMS_STILL;
+}
 
 /* One iteration on some rows, each from where it is; rough > 0: with the blur of a place that is
  * known that much of its spread. Results into `to`. */
@@ -72,9 +74,9 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
             size_t k = rows.list ? rows.list[at] : at;
             struct rim others[NEIGHBOURS];
             struct edge_settings own = *settings;
-            to[at] = (struct refined){.rim = rims->items[k].rim};
-            if (!isfinite(to[at].rim.x + to[at].rim.y + to[at].rim.radius))
-                continue; /* a known grain that is lost */
+            to[at] = rims->items[k];
+            if (is_done(&rims->items[k], rows.leave_still))
+                continue;
             if (rough > 0) {
                 own.blur = fmax(settings->blur, fmin(rough * rims->origin[k].spread, 0.15 * rims->items[k].rim.radius));
                 own.window = fmin(2.5 * own.blur, 0.5 * rims->items[k].rim.radius);
@@ -104,48 +106,69 @@ static struct edge_settings settings_of(const struct rims_state *state)
 }
 
 /* A rim that could not be fitted, or left its place, goes back to where it was captured and has no support. */
-static void accept(struct rims *rims, struct refined *next, double rough)
+static void accept(struct rims *rims, struct rows rows, struct refined *next, double rough)
 {
-    for (size_t k = 0; k < rims->count; k++) {
-        const struct rim *old = &rims->items[k].rim, *new = &next[k].rim;
+    for (size_t at = 0; at < rows.count; at++) {
+        size_t k = rows.list ? rows.list[at] : at;
+        const struct rim *old = &rims->items[k].rim, *new = &next[at].rim;
         double limit = rough > 0 ? 4 * rims->origin[k].spread + 1 : 3;
-        if (!(next[k].support > 0 && hypot(new->x - old->x, new->y - old->y) < limit &&
+        if (!(next[at].support > 0 && hypot(new->x - old->x, new->y - old->y) < limit &&
               fabs(new->radius - old->radius) < limit && new->radius > 0)) {
-            next[k].rim = rims->origin[k].captured;
-            next[k].support = 0;
+            next[at].rim = rims->origin[k].captured;
+            next[at].support = 0;
         }
-        rims->items[k] = next[k];
+        rims->items[k] = next[at];
     }
 }
 
-static int iterate_all(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
-                       int ellipse, double rough, struct rims *rims)
+static int iterate_and_accept(const struct photo *photo, const struct zone *zone, const struct edge_settings *settings,
+                              int ellipse, double rough, struct rims *rims, struct rows rows)
 {
-    struct refined *next = calloc(rims->count ? rims->count : 1, sizeof *next);
+    struct refined *next = calloc(rows.count ? rows.count : 1, sizeof *next);
     if (!next)
         return error_memory("list of rims");
-    int status = iterate(photo, zone, settings, ellipse, rough, rims, (struct rows){NULL, rims->count}, next);
+    int status = iterate(photo, zone, settings, ellipse, rough, rims, rows, next);
     if (!status)
-        accept(rims, next, rough);
+        accept(rims, rows, next, rough);
     free(next);
     return status;
 }
 
-int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
+int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, int blur_is_known,
+                  struct rims *rims, struct rows rows)
 {
     struct edge_settings settings = settings_of(state);
-    settings.damping = 0.5;
-    double rough = 1;
-    for (int round = 0; round < 6; round++, rough *= 0.7)
-        if (iterate_all(photo, zone, &settings, state->ellipse, rough, rims))
+    double rough = 1, closer = blur_is_known ? 0.4 : 0.7;
+    settings.damping = blur_is_known ? settings.damping : 0.5;
+    int rounds = settings.damping < 1 ? 6 : 3;
+    for (int round = 0; round < rounds; round++, rough *= closer)
+        if (iterate_and_accept(photo, zone, &settings, state->ellipse, rough, rims, rows))
             return -1;
     return 0;
 }
 
-int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims)
+int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, int most,
+                 struct rims *rims, struct rows rows)
 {
     struct edge_settings settings = settings_of(state);
-    return iterate_all(photo, zone, &settings, state->ellipse, 0, rims);
+    rows.leave_still = 1;
+    for (size_t at = 0; at < rows.count; at++)
+        rims->items[rows.list ? rows.list[at] : at].moved = INFINITY;
+    for (int k = 0; k < most; k++) {
+        size_t moving = 0;
+        if (iterate_and_accept(photo, zone, &settings, state->ellipse, 0, rims, rows))
+            return -1;
+        for (size_t at = 0; at < rows.count; at++)
+            moving += rims->items[rows.list ? rows.list[at] : at].moved >= RIMS_STILL;
+        if (moving == 0)
+            break;
+    }
+    return 0;
+}
+
+struct rows rims_all(const struct rims *rims)
+{
+    return (struct rows){NULL, rims->count, 0};
 }
 
 static int ascending(const void *a, const void *b)
@@ -157,9 +180,9 @@ static int ascending(const void *a, const void *b)
 /* Median of one member of the refined rims that have support; NaN when there is none. */
 static double median_member(const struct refined *items, size_t count, size_t member)
 {
-    double values[SAMPLE];
+    double values[RIMS_SAMPLE];
     size_t n = 0;
-    for (size_t k = 0; k < count && n < SAMPLE; k++) {
+    for (size_t k = 0; k < count && n < RIMS_SAMPLE; k++) {
         double value = *(const double *)((const char *)&items[k] + member);
         if (items[k].support > 0 && isfinite(value))
             values[n++] = value;
@@ -170,13 +193,13 @@ static double median_member(const struct refined *items, size_t count, size_t me
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/* Up to SAMPLE rows spread evenly over the larger half of the rims. */
-static size_t pick_sample(const struct rims *rims, size_t sample[SAMPLE])
+/* Up to RIMS_SAMPLE rows spread evenly over the larger half of the rims. */
+struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE])
 {
     double *radii = malloc((rims->count ? rims->count : 1) * sizeof *radii);
     if (!radii || rims->count == 0) {
         free(radii);
-        return 0;
+        return (struct rows){sample, 0, 0};
     }
     for (size_t k = 0; k < rims->count; k++)
         radii[k] = rims->items[k].rim.radius;
@@ -186,19 +209,18 @@ static size_t pick_sample(const struct rims *rims, size_t sample[SAMPLE])
     size_t large = 0, seen = 0, count = 0;
     for (size_t k = 0; k < rims->count; k++)
         large += rims->items[k].rim.radius >= median;
-    size_t step = (large + SAMPLE - 1) / SAMPLE;
-    for (size_t k = 0; k < rims->count && count < SAMPLE; k++)
+    size_t step = (large + RIMS_SAMPLE - 1) / RIMS_SAMPLE;
+    for (size_t k = 0; k < rims->count && count < RIMS_SAMPLE; k++)
         if (rims->items[k].rim.radius >= median && seen++ % step == 0)
             sample[count++] = k;
-    return count;
+    return (struct rows){sample, count, 0};
 }
 
 /* Blur and places of the sample in turn: each is only right once the other is. */
-int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims)
+int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims,
+                       struct rows rows)
 {
-    size_t sample[SAMPLE];
-    struct refined fitted[SAMPLE];
-    struct rows rows = {sample, pick_sample(rims, sample)};
+    struct refined fitted[RIMS_SAMPLE];
     for (int round = 0; round < 10 && rows.count; round++) {
         struct edge_settings settings = settings_of(state);
         settings.window = 3 * state->blur;
@@ -207,7 +229,7 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
             return -1;
         for (size_t k = 0; k < rows.count; k++)
             if (fitted[k].support > 0)
-                rims->items[sample[k]].rim = fitted[k].rim;
+                rims->items[rows.list[k]].rim = fitted[k].rim;
         settings.fit_blur = 1;
         settings.window = 3.5 * state->blur;
         settings.sector = 2 * state->sector;
@@ -252,7 +274,7 @@ double rims_correlation(const struct rims *rims)
 static int trial(const struct photo *photo, const struct zone *zone, const struct rims_state *state,
                  const struct rims *rims, struct rows rows, double *error)
 {
-    struct refined fitted[SAMPLE];
+    struct refined fitted[RIMS_SAMPLE];
     struct edge_settings settings = settings_of(state);
     if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
         return -1;
@@ -263,11 +285,9 @@ static int trial(const struct photo *photo, const struct zone *zone, const struc
 /* Texture and band are the photo's own: of a few choices, those with which its rims agree best with themselves. First
  * the texture in a wide band, then the band. */
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
-                       const struct rims *rims)
+                       const struct rims *rims, struct rows rows)
 {
     static const double textures[] = {0, 1, 2, 3, 4.5, 7}, windows[] = {1.7, 2.5, 3.5, 5};
-    size_t sample[SAMPLE];
-    struct rows rows = {sample, pick_sample(rims, sample)};
     struct rims_state try = *state, best = *state;
     double least = INFINITY, error;
     try.window = 3.5 * state->blur;

@@ -22,13 +22,31 @@ struct rims_state {
 int rims_make(const struct candidates *found, struct rims *rims);
 void rims_free(struct rims *rims); /* accepts a zeroed struct */
 
-/* From a rough place to within reach of the fine fit; then blur, ellipses or circles, band width; then the result. */
-int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state,
-                  struct rims *rims);
-int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims);
+/* Rows of rims: all of them, or a list. */
+struct rows {
+    const size_t *list; /* NULL: 0, 1, 2 ... */
+    size_t count;
+    int leave_still; /* leave out those that stand still */
+};
+enum { RIMS_SAMPLE = 160 };
+#define RIMS_STILL 0.004 /* px of the last step: far below any standard error */
+
+struct rows rims_all(const struct rims *rims);
+/* Up to RIMS_SAMPLE rows spread evenly over the larger half of the rims. */
+struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE]);
+
+/* From captured places to within reach of the fine fit; with small steps while the blur is a guess. */
+int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, int blur_is_known,
+                  struct rims *rims, struct rows rows);
+/* The photo's blur, from a sample (which moves on the way). */
+int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims,
+                       struct rows rows);
+/* Texture and width of the band, from a sample. */
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
-                       const struct rims *rims);
-int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, struct rims *rims);
+                       const struct rims *rims, struct rows rows);
+/* Fine fits until every rim stands still, `most` times at most. */
+int rims_iterate(const struct photo *photo, const struct zone *zone, const struct rims_state *state, int most,
+                 struct rims *rims, struct rows rows);
 /* Factor on standard errors from the correlation of neighbouring sectors, over all rims. */
 double rims_correlation(const struct rims *rims);
 
