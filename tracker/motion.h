@@ -14,6 +14,12 @@ struct motion {
     double angle; /* rad */
 };
 
+/* How far two motions are turned against each other: whole turns do not count. */
+static inline double motion_turn(const struct motion *a, const struct motion *b)
+{
+    return fabs(remainder(a->angle - b->angle, 6.283185307179586));
+}
+
 /* W(motion) o W(step)^-1: the update of inverse composition (Baker and Matthews 2004, eq. 15) for rigid warps. */
 static inline struct motion motion_compose_inverse(struct motion motion, struct motion step)
 {

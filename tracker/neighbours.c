@@ -128,7 +128,7 @@ int neighbours_motion(const long *nearest, const struct outcome *outcomes, struc
     int count = 0;
     for (int k = 0; k < NEIGHBOURS && nearest[k] >= 0; k++) {
         const struct outcome *outcome = &outcomes[nearest[k]];
-        if (outcome->found < 2)
+        if (outcome->found < 2 || outcome->ambiguous)
             continue;
         u[count] = outcome->fit.motion.u;
         v[count] = outcome->fit.motion.v;

@@ -10,7 +10,8 @@ enum { NEIGHBOURS = 8 };
  * count * NEIGHBOURS numbers to be freed with free(). NULL: out of memory. */
 long *neighbours_find(const struct target *targets, size_t count);
 
-/* Median motion of the neighbours that are good, component by component; returns how many there are. */
+/* Median motion of the neighbours that are good and not ambiguous, component by component; returns how many there are.
+ */
 int neighbours_motion(const long *nearest, const struct outcome *outcomes, struct motion *motion);
 
 #endif

@@ -163,7 +163,7 @@ struct best {
 static int same_place(const struct best *best, const struct motion *a, const struct motion *b)
 {
     return fabs(a->u - b->u) <= best->near_px && fabs(a->v - b->v) <= best->near_px &&
-           fabs(a->angle - b->angle) <= best->near_angle;
+           motion_turn(a, b) <= best->near_angle;
 }
 
 static void offer(struct best *best, struct search_place place)

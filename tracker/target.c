@@ -90,8 +90,16 @@ int target_attempt(const struct target *target, const struct target_photos *phot
 /* Are these two motions of the subset the same place, to a speck? */
 static int same_place(const struct target *target, const struct motion *a, const struct motion *b)
 {
-    double away = hypot(a->u - b->u, a->v - b->v) + fabs(a->angle - b->angle) * target->shape.radius / 2;
+    double away = hypot(a->u - b->u, a->v - b->v) + motion_turn(a, b) * target->shape.radius / 2;
     return away < fmax(1, target->subset.speckle);
+}
+
+/* Two places fit alike: their correlations, on Fisher's scale, differ by less than a wrong place reaches by chance. */
+static int is_ambiguous(const struct target *target, const struct outcome *outcome)
+{
+    const double most = 1 - 1e-9;
+    return outcome->rival > 0 &&
+           atanh(fmin(outcome->fit.zncc, most)) - atanh(fmin(outcome->rival, most)) < fmax(0.25, 3 * chance(target));
 }
 
 int target_search(const struct target *target, const struct target_photos *photos, struct motion around,
@@ -115,6 +123,7 @@ int target_search(const struct target *target, const struct target_photos *photo
     for (int k = 0; k < count; k++)
         if (fits[k].fit.converged && !same_place(target, &fits[k].fit.motion, &best.fit.motion))
             best.rival = fmax(best.rival, fits[k].fit.zncc);
+    best.ambiguous = is_ambiguous(target, &best);
     keep_better(target, &best, outcome);
     return 0;
 }

@@ -19,6 +19,7 @@ struct outcome {
     int found; /* 0: nothing yet; 1: something, doubtful; 2: good */
     struct fit fit;
     double rival;     /* ZNCC of the best other place that a search saw, refined; 0: none */
+    int ambiguous;    /* the rival fits as well */
     int contradicted; /* by the other grains (consistency.h) */
     int searched;     /* by the blind search */
     int masked;       /* the subset was cut by the photo's border; */

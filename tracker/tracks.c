@@ -7,14 +7,6 @@ static const double too_saturated = 0.2; /* share of the subset */
 static const double cut_subset = 0.97;   /* below this share of its pixels a subset counts as masked */
 static const double half_subset = 0.5;   /* below this share of its pixels a grain is not in view */
 
-/* Two places fit alike: their correlations, on Fisher's scale, differ by less than a wrong place reaches by chance. */
-static int has_rival(const struct target *target, const struct outcome *outcome)
-{
-    double specks = fmax(target->subset.speckle_count, 1);
-    return outcome->rival > 0 && atanh(fmin(outcome->fit.zncc, 1 - 1e-9)) - atanh(fmin(outcome->rival, 1 - 1e-9)) <
-                                     fmax(0.25, 3 / sqrt(specks));
-}
-
 /* Too little texture: errors of half a pixel or half a degree are within two standard errors. */
 static int is_vague(const struct fit *fit)
 {
@@ -43,7 +35,7 @@ static uint32_t flags_of(const struct target *target, const struct outcome *outc
         flags |= GRAIN_NO_CONTRAST;
     if (outcome->found == 1)
         flags |= GRAIN_LOW_ZNCC;
-    if (outcome->contradicted || has_rival(target, outcome))
+    if (outcome->contradicted || outcome->ambiguous)
         flags |= GRAIN_AMBIGUOUS;
     return flags | (outcome->searched ? GRAIN_RESCUED : 0) | (outcome->fit.fine ? GRAIN_SPECKLED_FINE : 0);
 }
