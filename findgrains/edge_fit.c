@@ -1,6 +1,7 @@
 #include "findgrains/edge_fit.h"
 
 #include "findgrains/edge_profile.h"
+#include "findgrains/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>
@@ -10,10 +11,12 @@
 /* Columns of the least squares in one sector; the photo itself is one of them. The first PLAIN ones are there at every
  * pixel. */
 enum { LEVEL_OUT, STEP, SHIFT, TEXTURE_NEAR, TEXTURE_DEEP, GREY, PLAIN, NEIGHBOUR = PLAIN, BLUR, COLUMNS };
-/* What a sector collects: products of columns, its number of pixels, the narrowest gap to something else. */
-enum { PIXELS = COLUMNS * COLUMNS, NEAREST, SUMS };
+/* What a sector collects: products of columns, its number of pixels, the narrowest gap to something else, whether
+ * a neighbour is near at all. */
+enum { PIXELS = COLUMNS * COLUMNS, NEAREST, CROWDED, SUMS };
 
 #define HIDDEN_GAP 1.2    /* blurs: a sector whose rim is nearer to a neighbour's than this tells nothing */
+#define BLUR_REACH 5.0    /* blurs: further out a neighbour's edge is nothing */
 #define LEAST_SECTORS 8.0 /* of a rim */
 #define LEAST_SEEN 7
 #define NEGLIGIBLE 1e-6  /* share of a neighbour's step at a pixel */
@@ -69,7 +72,8 @@ static double neighbour_profile(const struct annulus *ring, double x, double y, 
     *depth = -INFINITY;
     for (size_t k = 0; k < ring->other_count; k++) {
         const struct rim *other = &ring->others[k];
-        double dx = x - other->x, dy = y - other->y, reach = other->radius + fabs(other->c2) + fabs(other->s2) + 5 * s;
+        double dx = x - other->x, dy = y - other->y,
+               reach = other->radius + fabs(other->c2) + fabs(other->s2) + BLUR_REACH * s;
         double square = dx * dx + dy * dy;
         if (square > reach * reach)
             continue;
@@ -122,7 +126,7 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
     int k = (int)(turn_of(dy, dx) * work->count);
     k = k < 0 ? 0 : k >= work->count ? work->count - 1 : k;
     double *sums = work->sums + (size_t)k * SUMS, depth = -INFINITY;
-    double other = ring->other_count ? neighbour_profile(ring, x, y, &depth) : 0;
+    double other = sums[CROWDED] > 0 ? neighbour_profile(ring, x, y, &depth) : 0;
     /* The gap between the rims along this pixel's ray is about the distance outside the other less that outside ours.
      */
     if (rho > -s)
@@ -165,6 +169,29 @@ static void add_annulus(const struct annulus *ring, struct edge_work *work)
     }
 }
 
+/* Mark the sectors that a neighbour's blurred edge reaches. */
+static void mark_crowded(const struct annulus *ring, struct edge_work *work)
+{
+    const struct rim *rim = ring->rim;
+    double s = ring->settings->blur, outer = rim->radius + ring->settings->window + fabs(rim->c2) + fabs(rim->s2);
+    for (size_t k = 0; k < ring->other_count; k++) {
+        const struct rim *other = &ring->others[k];
+        double dx = other->x - rim->x, dy = other->y - rim->y, d = hypot(dx, dy);
+        double reach = other->radius + fabs(other->c2) + fabs(other->s2) + BLUR_REACH * s;
+        /* Widest angle at which the circle of radius `outer` about the rim's centre meets the reach: law of cosines,
+         * or tangent when the outer circle passes behind the neighbour's centre. */
+        double cosine = d > 0 && outer * outer + reach * reach < d * d
+                            ? (d * d + outer * outer - reach * reach) / (2 * d * outer)
+                        : d > reach ? sqrt(1 - reach * reach / (d * d))
+                                    : -1;
+        double half = acos(fmax(-1, fmin(1, cosine))) / (2 * M_PI) * work->count + 1.5;
+        double middle = turn_of(dy, dx) * work->count - 0.5;
+        for (int i = (int)floor(middle - half); i <= (int)ceil(middle + half) && i < middle - half + work->count + 1;
+             i++)
+            work->sums[(size_t)(((i % work->count) + work->count) % work->count) * SUMS + CROWDED] = 1;
+    }
+}
+
 /* Gauss-Jordan on a positive semidefinite n x n system with two right-hand sides (columns n and n + 1), in place;
  * 0 when it is singular. */
 static int solve(int n, double m[][COLUMNS + 2])
@@ -202,12 +229,6 @@ static void add_priors(double *sums, const struct edge_settings *settings)
     }
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Small rims have neighbours all around: at most half of a rim counts as hidden, and at least LEAST_SEEN sectors are
  * seen. */
 static double hidden_gap_of(const struct edge_work *work, double blur)
@@ -215,10 +236,9 @@ static double hidden_gap_of(const struct edge_work *work, double blur)
     double *gaps = work->sums + (size_t)work->count * SUMS; /* room behind the sums */
     for (int k = 0; k < work->count; k++)
         gaps[k] = work->sums[(size_t)k * SUMS + NEAREST];
-    qsort(gaps, (size_t)work->count, sizeof *gaps, ascending);
     int seen = work->count - work->count / 2;
     seen = seen < LEAST_SEEN ? LEAST_SEEN : seen;
-    return fmin(HIDDEN_GAP * blur, gaps[work->count - seen]);
+    return fmin(HIDDEN_GAP * blur, select_rank(gaps, (size_t)work->count, (size_t)(work->count - seen)));
 }
 
 static double product(const double *sums, int a, int b)
@@ -285,6 +305,7 @@ int edge_fit(const struct photo *photo, const struct zone *zone, const struct ri
     double s = settings->blur, reach = rim->radius + settings->window + 2 * s;
     struct annulus ring = {photo, zone, rim, others, other_count, settings, .shrink = s * s / (2 * rim->radius)};
     ring.near_frame = zone->has_frame && zone_depth(zone, rim->x, rim->y) < reach;
+    mark_crowded(&ring, work);
     add_annulus(&ring, work);
     double hidden_gap = hidden_gap_of(work, s);
     for (int k = 0; k < count; k++) {

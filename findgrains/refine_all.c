@@ -1,5 +1,6 @@
 #include "findgrains/refine_all.h"
 
+#include "findgrains/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>
@@ -171,12 +172,6 @@ struct rows rims_all(const struct rims *rims)
     return (struct rows){NULL, rims->count, 0};
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median of one member of the refined rims that have support; NaN when there is none. */
 static double median_member(const struct refined *items, size_t count, size_t member)
 {
@@ -187,10 +182,7 @@ static double median_member(const struct refined *items, size_t count, size_t me
         if (items[k].support > 0 && isfinite(value))
             values[n++] = value;
     }
-    if (n == 0)
-        return NAN;
-    qsort(values, n, sizeof *values, ascending);
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+    return median_of(values, n);
 }
 
 /* Up to RIMS_SAMPLE rows spread evenly over the larger half of the rims. */
@@ -203,8 +195,7 @@ struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE])
     }
     for (size_t k = 0; k < rims->count; k++)
         radii[k] = rims->items[k].rim.radius;
-    qsort(radii, rims->count, sizeof *radii, ascending);
-    double median = radii[rims->count / 2];
+    double median = select_rank(radii, rims->count, rims->count / 2);
     free(radii);
     size_t large = 0, seen = 0, count = 0;
     for (size_t k = 0; k < rims->count; k++)

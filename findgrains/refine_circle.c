@@ -3,13 +3,14 @@
  * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
 #include "findgrains/refine_circle.h"
 
+#include "findgrains/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TERMS = 5, ROUNDS = 8, LAGS = 8 };
+enum { TERMS = 5, ROUNDS = 6, LAGS = 8 };
 #define MAD_TO_SD 1.4826
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
 #define CHANCE 0.5
@@ -25,20 +26,6 @@ struct fit {
     double tau2, tukey;
     double parameters[TERMS], covariance[TERMS][TERMS];
 };
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_of(double *values, int count)
-{
-    if (count == 0)
-        return NAN;
-    qsort(values, (size_t)count, sizeof *values, ascending);
-    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
-}
 
 static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey, int ellipse)
 {
@@ -65,7 +52,7 @@ static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey
 
 static double median_over(struct fit *fit, size_t member)
 {
-    int n = 0;
+    size_t n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
             fit->scratch[n++] = *(const double *)(const void *)((const char *)&fit->sectors[k] + member);
@@ -164,20 +151,25 @@ static void set_residuals(struct fit *fit)
     }
 }
 
-/* Robust standard deviation of the residuals; sets the shared variance tau^2. */
-static double set_scatter(struct fit *fit)
+static double median_variance(struct fit *fit)
 {
-    int n = 0;
+    size_t n = 0;
+    for (int k = 0; k < fit->count; k++)
+        if (fit->sectors[k].used)
+            fit->scratch[n++] = fit->variance[k];
+    return median_of(fit->scratch, n);
+}
+
+/* Robust standard deviation of the residuals; sets the shared variance tau^2. */
+static double set_scatter(struct fit *fit, double formal2)
+{
+    size_t n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
             fit->scratch[n++] = fabs(fit->residual[k]);
     double scatter = MAD_TO_SD * median_of(fit->scratch, n);
-    n = 0;
-    for (int k = 0; k < fit->count; k++)
-        if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->variance[k];
     /* The floor keeps a few sectors with a small formal variance from ruling the fit. */
-    fit->tau2 = fmax(0.25 * scatter * scatter, scatter * scatter - median_of(fit->scratch, n));
+    fit->tau2 = fmax(0.25 * scatter * scatter, scatter * scatter - formal2);
     return scatter;
 }
 
@@ -229,7 +221,8 @@ static void add_lags(const struct fit *fit, struct refined *refined)
 
 static void describe(struct fit *fit, struct refined *refined)
 {
-    int near = 0, hidden = 0, n = 0;
+    int near = 0, hidden = 0;
+    size_t n = 0;
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         hidden += sector->hidden;
@@ -239,11 +232,6 @@ static void describe(struct fit *fit, struct refined *refined)
         fit->scratch[n++] = sector->blur_error;
     }
     refined->blur_error = median_of(fit->scratch, n);
-    n = 0;
-    for (int k = 0; k < fit->count; k++)
-        if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->variance[k];
-    refined->formal = sqrt(median_of(fit->scratch, n));
     refined->support = (double)near / fit->count;
     refined->hidden = (double)hidden / fit->count;
     refined->s_radius = sqrt(fit->covariance[0][0]);
@@ -272,11 +260,13 @@ static void move(const struct fit *fit, double damping, struct refined *refined)
 static int fit_curve(struct fit *fit, struct refined *refined)
 {
     refined->noise = set_variances(fit);
+    double formal2 = median_variance(fit);
+    refined->formal = sqrt(formal2);
     if (!weighted_step(fit, 0))
         return 0;
     for (int round = 0; round < ROUNDS; round++) {
         set_residuals(fit);
-        refined->scatter = set_scatter(fit);
+        refined->scatter = set_scatter(fit, formal2);
         if (!weighted_step(fit, 1))
             return 0;
     }
