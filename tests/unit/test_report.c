@@ -19,6 +19,7 @@
 #include "report/map.h"
 #include "report/match.h"
 #include "report/page.h"
+#include "report/photo_map.h"
 
 /* ---- matching ---- */
 
@@ -565,6 +566,39 @@ static void test_map_widths(void **unused)
     packing_free(&p);
 }
 
+/* Rims where the grains are seen: the trusted one sky blue, the flagged one purple; the arrow of the trusted one ends
+ * where its stretched motion does, the flagged one has none. */
+static void test_photo_map(void **unused)
+{
+    (void)unused;
+    static const char *const names[] = {"x_px", "y_px", "radius_px", "x_ref_px", "y_ref_px", "flags", NULL};
+    struct photo_grains g;
+    struct canvas canvas;
+    int arrow_end = 0;
+    check_done(table_alloc(&PHOTO_GRAINS, &g, 3, names));
+    g.x_px[0] = 100, g.y_px[0] = 100, g.radius_px[0] = 40, g.x_ref_px[0] = 97, g.y_ref_px[0] = 100;
+    g.x_px[1] = 300, g.y_px[1] = 100, g.radius_px[1] = 40, g.x_ref_px[1] = 290, g.y_ref_px[1] = 100;
+    g.flags[1] = GRAIN_LOW_ZNCC;
+    g.flags[2] = GRAIN_LOST; /* has no place */
+    struct photo_map map = {.grains = &g, .width = 1000, .arrows = NAN};
+    check_done(photo_map_measure(&map));
+    check_near(map.arrows, 20, 1e-9); /* 3 px become at most 80 px: 26, rounded down */
+    check_done(canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height));
+    check_done(photo_map_draw(&map, canvas.cairo));
+    cairo_surface_flush(canvas.surface);
+    double y = map.scale * (100 - map.y0);
+    assert_int_equal(pixel(&canvas, map.scale * (60 - map.x0), y), 0x56B4E9);
+    assert_int_equal(pixel(&canvas, map.scale * (340 - map.x0), y), 0xCC79A7);
+    for (double x = 0; x < map.width; x++)
+        if (pixel(&canvas, x, y) == 0xD55E00)
+            arrow_end = (int)x;
+    check_near(arrow_end, map.scale * (160 - map.x0), 6); /* 100 + 20 * 3, less the thin tip */
+    canvas_discard(&canvas);
+    table_free(&PHOTO_GRAINS, &g);
+    struct photo_map nothing = {.grains = &g, .width = 100, .arrows = NAN};
+    assert_int_equal(photo_map_measure(&nothing), -1);
+}
+
 static void test_map_nothing(void **unused)
 {
     (void)unused;
@@ -634,6 +668,7 @@ int main(void)
         cmocka_unit_test(test_other_exports),
         cmocka_unit_test(test_map_widths),
         cmocka_unit_test(test_map_nothing),
+        cmocka_unit_test(test_photo_map),
         cmocka_unit_test(test_html),
         cmocka_unit_test(test_lammps),
         cmocka_unit_test(test_film_and_series),
