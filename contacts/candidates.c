@@ -5,9 +5,10 @@
 #include "contacts/cell_list.h"
 #include "pipeline/error.h"
 
-#define WINDOW_OF_RADIUS 0.02 /* gaps up to this share of the median radius tell the density of gaps */
-#define WINDOW_OF_ERROR 6.0   /* standard errors that the window must hold to see the density's shape */
-#define SAME_PLACE 1e-6       /* centres nearer than this share of the radius are one grain found twice */
+#define WINDOW_OF_RADIUS 0.02  /* gaps up to this share of the median radius tell the density of gaps */
+#define WINDOW_OF_ERROR 6.0    /* standard errors that the window must hold to see the density's shape */
+enum { ENOUGH_PAIRS = 50000 }; /* for the statistics; more would only cost time */
+#define SAME_PLACE 1e-6        /* centres nearer than this share of the radius are one grain found twice */
 
 static int by_value(const void *a, const void *b)
 {
@@ -86,7 +87,8 @@ static int learn(const struct grains *grains, const struct pairs *pairs, double 
     double *x = malloc((pairs->count + 1) * sizeof *x), *s = malloc((pairs->count + 1) * sizeof *s);
     size_t n = 0;
     if (x && s) {
-        for (size_t p = 0; p < pairs->count; p++) {
+        size_t stride = pairs->count / ENOUGH_PAIRS + 1;
+        for (size_t p = 0; p < pairs->count; p += stride) {
             const struct pair *pair = &pairs->pair[p];
             if ((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST)
                 continue;

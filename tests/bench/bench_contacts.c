@@ -1,11 +1,12 @@
 /* How right is the contact network? Packings of the virtual 1g2e with known contacts, seen with errors of centres and
  * radii, go through find_contacts; precision, recall and F1 against the error of the radii, the injected radius offset
- * and scale. bench_contacts [--grains N] [--kappa K] [--seed S] [--only errors|offset|reliability] [--truth FILE]
- * [--save FILE] [--json FILE]. */
+ * and scale. bench_contacts [--grains N] [--kappa K] [--seed S] [--only errors|offset|reliability|speed] [--truth FILE]
+ * [--save FILE]. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "contacts/find_contacts.h"
 #include "pipeline/error.h"
@@ -289,6 +290,39 @@ static int reliability(const struct packing *truth)
     return 0;
 }
 
+/* CPU time against the number of grains: a hexagonal crystal with errors of 0.02 px. */
+static int speed(void)
+{
+    static const char *const columns[] = {"x_px", "y_px", "radius_px", "s_x", "s_y", "s_radius", "flags", NULL};
+    printf("   grains  contacts  CPU s\n");
+    for (size_t side = 30; side <= 1000; side = side == 30 ? 100 : side == 100 ? 316 : side == 316 ? 1000 : 1001) {
+        struct scene scene = {.path = "bench", .scale = 1e-4};
+        struct photo_grains grains;
+        struct packing found = {0};
+        struct contact_summary summary;
+        struct contact_options options = CONTACT_OPTIONS_DEFAULT;
+        struct contact_input input = {.scene = &scene, .grains = &grains, .is_reference = 1};
+        scene.grains.density = scene.grains.length = NAN;
+        if (table_alloc(&PHOTO_GRAINS, &grains, side * side, columns))
+            return -1;
+        for (size_t k = 0; k < grains.count; k++) {
+            size_t at = (k * 7919) % grains.count, row = at / side;
+            grains.x_px[k] = 39.9 * ((double)(at % side) + 0.5 * (double)(row % 2)) + 0.02 * random_normal(1, 3 * k);
+            grains.y_px[k] = 39.9 * sqrt(0.75) * (double)row + 0.02 * random_normal(1, 3 * k + 1);
+            grains.radius_px[k] = 20 + 0.02 * random_normal(1, 3 * k + 2);
+            grains.s_x[k] = grains.s_y[k] = grains.s_radius[k] = 0.02;
+        }
+        clock_t start = clock();
+        int status = find_contacts(&input, &options, &found, &summary);
+        printf("%9zu %9zu %6.2f\n", grains.count, summary.contacts, (double)(clock() - start) / CLOCKS_PER_SEC);
+        packing_free(&found);
+        table_free(&PHOTO_GRAINS, &grains);
+        if (status)
+            return -1;
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     long grains = 400;
@@ -310,6 +344,8 @@ int main(int argc, char **argv)
         else if (!strcmp(argv[a], "--save"))
             save = argv[a + 1];
     }
+    if (only && !strcmp(only, "speed"))
+        return speed() != 0;
     int status = file ? packing_read(file, &truth) : make_truth(grains, kappa, seed, &truth);
     if (status >= 0 && save) {
         struct provenance provenance = PROVENANCE_DEFAULT;
