@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "pipeline/stress.h"
 #include "pipeline/vtk.h"
 
 void packing_free(struct packing *packing)
@@ -214,6 +215,45 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                : 0;
 }
 
+enum { DIRECTIONS = 36 }; /* bins of 5 degrees: a normal and its opposite are one direction */
+
+/* Contacts by the direction of their normal; only those that come closer (dun < 0) when `approaching`. */
+static void count_directions(const struct packing *packing, int approaching, double histogram[DIRECTIONS])
+{
+    const struct contacts *contacts = &packing->contacts;
+    memset(histogram, 0, DIRECTIONS * sizeof *histogram);
+    for (size_t c = 0; c < contacts->count; c++) {
+        double angle = atan2(contacts->ny[c], contacts->nx[c]) / M_PI * DIRECTIONS;
+        if ((contacts->flags[c] & CONTACT_CANDIDATE) || !isfinite(angle))
+            continue;
+        if (approaching && !(contacts->dun && contacts->dun[c] < 0))
+            continue;
+        int bin = (int)floor(angle) % DIRECTIONS;
+        histogram[bin < 0 ? bin + DIRECTIONS : bin]++;
+    }
+}
+
+/* The fabric as attributes of /contacts. */
+static int write_fabric(struct state_writer *writer, const struct packing *packing)
+{
+    struct fabric fabric;
+    double all[DIRECTIONS], approaching[DIRECTIONS];
+    if (packing->grains.count == 0)
+        return 0;
+    packing_fabric(packing, &fabric);
+    count_directions(packing, 0, all);
+    count_directions(packing, 1, approaching);
+    double counts[2] = {(double)fabric.wall_contacts, (double)fabric.rattlers};
+    return state_write_numbers(writer, "contacts", "z", &fabric.z, 1) ||
+           state_write_numbers(writer, "contacts", "wall_contacts", &counts[0], 1) ||
+           state_write_numbers(writer, "contacts", "rattlers", &counts[1], 1) ||
+           state_write_numbers(writer, "contacts", "solid_fraction", &fabric.solid, 1) ||
+           state_write_numbers(writer, "contacts", "void_ratio", &fabric.void_ratio, 1) ||
+           state_write_numbers(writer, "contacts", "fabric_tensor", &fabric.tensor[0][0], 4) ||
+           state_write_numbers(writer, "contacts", "directions", all, DIRECTIONS) ||
+           state_write_numbers(writer, "contacts", "directions_approaching", approaching, DIRECTIONS);
+}
+
 int packing_write(const char *path, const struct packing *packing, const struct provenance *provenance)
 {
     struct provenance complete = *provenance;
@@ -226,7 +266,7 @@ int packing_write(const char *path, const struct packing *packing, const struct 
         return -1;
     int result = state_write(writer, "grains", &GRAINS, &packing->grains) ||
                  (packing->walls.name && state_write(writer, "walls", &WALLS, &packing->walls)) ||
-                 state_write(writer, "contacts", &CONTACTS, &packing->contacts);
+                 state_write(writer, "contacts", &CONTACTS, &packing->contacts) || write_fabric(writer, packing);
     for (size_t f = 0; f < packing->force_count && !result; f++)
         result = write_method(writer, &packing->forces[f]);
     if (!result)

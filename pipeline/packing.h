@@ -25,7 +25,9 @@ void packing_free(struct packing *packing); /* accepts a zeroed struct */
  * are not flagged. Errors name the file. A missing /walls or /forces is an empty table. */
 int packing_read(const char *path, struct packing *packing);
 
-/* Write the whole packing (tables, forces, the VTKHDF view) as one state file, atomically. */
+/* Write the whole packing (tables, forces, the VTKHDF view) as one state file, atomically. The fabric stands in
+ * attributes of /contacts: z, wall_contacts, rattlers, solid_fraction, void_ratio, fabric_tensor (xx xy yx yy),
+ * directions and directions_approaching (36 bins of 5 degrees from the x axis, contacts; those with dun < 0). */
 int packing_write(const char *path, const struct packing *packing, const struct provenance *provenance);
 
 /* The forces of that method, or NULL. */

@@ -1,5 +1,6 @@
 /* find_contacts on packings whose network is known by construction. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,6 +175,33 @@ static void test_square_lattice_with_walls(void **state)
         assert_true(s.packing.contacts.flags[c] & CONTACT_WALL);
     }
     check_near(walls_area(&s.packing.walls), pow((high - low) * SCALE, 2), 1e-12);
+    setup_free(&s);
+}
+
+/* The fabric stands in the file: every normal of a square lattice lies along an axis. */
+static void test_fabric_in_the_file(void **state)
+{
+    (void)state;
+    enum { N = 3 };
+    const char *path = FILM_BINARY_DIR "/test_contacts.hdf";
+    struct setup s = setup_new(N * N);
+    for (size_t k = 0; k < N * N; k++)
+        put(&s, k, 39.75 * (double)(k % N), 39.75 * (double)(k / N), 20);
+    check_done(find(&s, NULL, 1));
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    provenance.stage = "contacts";
+    provenance.parameters = "{}";
+    check_done(packing_write(path, &s.packing, &provenance));
+    double z, directions[36];
+    struct state *file = state_open(path);
+    assert_non_null(file);
+    check_done(state_read_numbers(file, "contacts", "z", &z, 1));
+    check_done(state_read_numbers(file, "contacts", "directions", directions, 36));
+    state_close(file);
+    remove(path);
+    check_near(z, 2.0 * 12 / 9, 1e-12);
+    check_near(directions[0] + directions[35], 6, 0); /* along x, rounding on either side */
+    check_near(directions[17] + directions[18], 6, 0);
     setup_free(&s);
 }
 
@@ -581,6 +609,7 @@ int main(void)
         cmocka_unit_test(test_one_grain_and_no_contact),
         cmocka_unit_test(test_radius_correction),
         cmocka_unit_test(test_square_lattice_with_walls),
+        cmocka_unit_test(test_fabric_in_the_file),
         cmocka_unit_test(test_hexagonal_crystal),
         cmocka_unit_test(test_two_walls_and_a_corner_disc),
         cmocka_unit_test(test_ratio_of_twenty),
