@@ -176,6 +176,53 @@ static void test_paint_moves_rigidly(void **state)
     check_at_most(worst, 0.0002);
 }
 
+/* Sum of light (rho / 10)^m e^{i m phi} e^{-(rho / 9)^2} about (x, y): phi counter-clockwise as seen. */
+static void angular_moment(const struct photo *photo, double x, double y, int m, double moment[2])
+{
+    moment[0] = moment[1] = 0;
+    for (int row = 0; row < photo->height; row++)
+        for (int column = 0; column < photo->width; column++) {
+            double dx = column - x, dy = y - row, rho = hypot(dx, dy), phi = atan2(dy, dx);
+            double weight = photo_row(photo, row)[column] * pow(rho / 10, m) * exp(-rho * rho / 81);
+            moment[0] += weight * cos(m * phi);
+            moment[1] += weight * sin(m * phi);
+        }
+}
+
+/* Turned by any angle, every angular moment of the paint turns by m times that angle: the picture itself has turned. */
+static void test_any_angle_turns_the_picture(void **state)
+{
+    (void)state;
+    uint64_t seed = 8;
+    struct optics optics = OPTICS_DEFAULT;
+    optics.bits = 16;
+    optics.read_noise = optics.shot_noise = 0;
+    double first[7][2], worst = 0;
+    for (int trial = 0; trial < 12; trial++) {
+        struct photo_grains grains;
+        struct photo photo = {0};
+        double x = 40 + check_uniform(&seed), y = 40 + check_uniform(&seed),
+               angle = trial ? 6.28 * check_uniform(&seed) : 0;
+        grains_make(&grains, 1);
+        grain_put(&grains, 0, x, y, 36, angle);
+        struct picture picture = {.width = 82, .height = 82, .grains = &grains};
+        check_done(render_picture(&picture, &optics, &photo));
+        for (int m = 1; m < 7; m++) {
+            double is[2], c = cos(m * angle), s = sin(m * angle);
+            angular_moment(&photo, x, y, m, trial ? is : first[m]);
+            if (!trial)
+                continue;
+            double *was = first[m];
+            double error = hypot(is[0] - (c * was[0] - s * was[1]), is[1] - (s * was[0] + c * was[1]));
+            worst = fmax(worst, error / hypot(was[0], was[1]) / m);
+        }
+        photo_free(&photo);
+        grains_free(&grains);
+    }
+    print_message("worst error of an angular moment: as if turned by %.2g rad\n", worst);
+    check_at_most(worst, 2e-4);
+}
+
 /* A quarter turn maps the pixels onto themselves. */
 static void test_quarter_turn_gives_the_turned_photo(void **state)
 {
@@ -408,12 +455,19 @@ static void test_threads_do_not_change_a_pixel(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_edges_lie_where_told),       cmocka_unit_test(test_point_spread_is_the_one_asked_for),
-        cmocka_unit_test(test_paint_moves_rigidly),        cmocka_unit_test(test_quarter_turn_gives_the_turned_photo),
-        cmocka_unit_test(test_touching_faces_add_up),      cmocka_unit_test(test_shapes_are_drawn_as_told),
-        cmocka_unit_test(test_noise_is_the_one_asked_for), cmocka_unit_test(test_flank_is_the_swept_strip),
-        cmocka_unit_test(test_lines_are_as_wide_as_told),  cmocka_unit_test(test_paint_covers_the_share_asked_for),
-        cmocka_unit_test(test_steps_and_saturation),       cmocka_unit_test(test_threads_do_not_change_a_pixel),
+        cmocka_unit_test(test_edges_lie_where_told),
+        cmocka_unit_test(test_point_spread_is_the_one_asked_for),
+        cmocka_unit_test(test_paint_moves_rigidly),
+        cmocka_unit_test(test_any_angle_turns_the_picture),
+        cmocka_unit_test(test_quarter_turn_gives_the_turned_photo),
+        cmocka_unit_test(test_touching_faces_add_up),
+        cmocka_unit_test(test_shapes_are_drawn_as_told),
+        cmocka_unit_test(test_noise_is_the_one_asked_for),
+        cmocka_unit_test(test_flank_is_the_swept_strip),
+        cmocka_unit_test(test_lines_are_as_wide_as_told),
+        cmocka_unit_test(test_paint_covers_the_share_asked_for),
+        cmocka_unit_test(test_steps_and_saturation),
+        cmocka_unit_test(test_threads_do_not_change_a_pixel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
