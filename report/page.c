@@ -48,12 +48,23 @@ static int draw_map(const struct packing *packing, const struct forces *forces, 
     return 0;
 }
 
-static int draw_state(const struct series_row *row, struct html *html)
+/* One method speaks for a state: the first that converged, else the first. */
+static size_t chosen_method(const struct packing *packing)
+{
+    for (size_t f = 0; f < packing->force_count; f++)
+        if (packing->forces[f].converged)
+            return f;
+    return 0;
+}
+
+static int draw_state(const struct series_row *row, int every_method, struct html *html)
 {
     struct packing packing;
     char title[200];
     int result = packing_read(row->packing.path, &packing);
     for (size_t f = 0; result == 0 && f < packing.force_count; f++) {
+        if (!every_method && f != chosen_method(&packing))
+            continue;
         snprintf(title, sizeof title, "%s: forces by %.15s", row->name, packing.forces[f].method);
         result = draw_map(&packing, &packing.forces[f], title, html);
     }
@@ -85,12 +96,17 @@ int page_pictures(const struct page *page, const struct series *series, struct h
         states += series->rows[k].packing.path != NULL;
     if (states == 0 || most == 0)
         return 0;
-    fputs("<h2>Force maps</h2>\n", html->stream);
-    if (states > most)
-        html_format(html, "%zu of %zu states; draw others with report map.", most, states);
-    for (size_t k = 0; k < series->count; k++)
-        if (series->rows[k].packing.path && is_chosen(state++, states, most) && draw_state(&series->rows[k], html))
+    fputs("<h2>Force maps</h2>\n<p class=\"small\">", html->stream);
+    html_format(html, "%zu of %zu states, the last one by every method; draw others with report map.",
+                states < most ? states : most, states);
+    fputs("</p>\n", html->stream);
+    for (size_t k = 0; k < series->count; k++) {
+        if (!series->rows[k].packing.path)
+            continue;
+        int last = state == states - 1;
+        if (is_chosen(state++, states, most) && draw_state(&series->rows[k], last, html))
             return -1;
+    }
     return 0;
 }
 

@@ -29,17 +29,13 @@ static int persistence(const char *before_path, const char *now_path, const char
 
 static int persistence_lines(const struct series *series, struct chart *chart, const char *method, size_t style)
 {
-    char name[48];
-    struct chart_line *fn, *ft;
     const struct series_row *before = NULL;
-    snprintf(name, sizeof name, "%.15s fn", method);
-    fn = chart_add(chart, name, series->count);
-    snprintf(name, sizeof name, "%.15s ft", method);
-    ft = fn ? chart_add(chart, name, series->count) : NULL;
+    struct chart_line *fn = chart_add(chart, method, series->count);
+    struct chart_line *ft = fn ? chart_add(chart, method, series->count) : NULL;
     if (!ft)
         return -1;
     fn->style = ft->style = style;
-    ft->dashed = 1;
+    ft->dashed = ft->without_key = 1;
     for (size_t k = 0; k < series->count; k++) {
         const struct series_row *row = &series->rows[k];
         double r[2];
@@ -58,7 +54,7 @@ static int persistence_lines(const struct series *series, struct chart *chart, c
 
 int page_persistence(const struct series *series, struct html *html)
 {
-    struct chart chart = {.title = "Persistence: Pearson r with the forces of the state before",
+    struct chart chart = {.title = "Pearson r with the forces of the state before: fn solid, ft dashed",
                           .x_label = "photo",
                           .y_label = "r",
                           .whole_x = 1};

@@ -41,14 +41,21 @@ static void tally_add(struct tally *tally, double size, double limit, const char
     }
 }
 
+/* 0.0123456 -> 0.0123, but whole numbers stay whole. */
+static double round_to_three(double value)
+{
+    double power = pow(10, 2 - floor(log10(value)));
+    return value >= 100 || !(value > 0) ? value : round(value * power) / power;
+}
+
 static void warn_tally(struct warnings *warnings, const struct tally *tally, const char *who, const char *what,
                        double unit, const char *units)
 {
     char text[400];
     if (tally->beyond == 0)
         return;
-    snprintf(text, sizeof text, "%.15s: in %zu of %zu %s (worst %.3g%s, %.100s)", who, tally->beyond, tally->seen, what,
-             unit * tally->worst, units, tally->where);
+    snprintf(text, sizeof text, "%.15s: in %zu of %zu %s (worst %.6g%s, %.100s)", who, tally->beyond, tally->seen, what,
+             round_to_three(unit * tally->worst), units, tally->where);
     warn(warnings, text);
 }
 
