@@ -10,7 +10,6 @@
 /* A wide belief where overlaps speak: it only keeps forces that nothing else determines from growing. */
 #define PRIOR_MEAN 1
 #define PRIOR_NN 9
-#define PRIOR_TT 1
 
 void evidence_free(struct evidence *evidence)
 {
@@ -162,7 +161,8 @@ int evidence_build(const struct packing *packing, const struct network *network,
         evidence->prior[2 * c] = overlaps || start == START_ZERO ? PRIOR_MEAN : f[2 * c];
         evidence->prior[2 * c + 1] = overlaps ? 0 : f[2 * c + 1];
         evidence->variance[2 * c] = overlaps ? PRIOR_NN : 1;
-        evidence->variance[2 * c + 1] = overlaps ? PRIOR_TT : fmax(1e-8, 2.0 / 3 * fmin(1, mu * mu));
+        /* exponentially spread fn: <fn^2> = 2 <fn>^2; ft on the edge of its cone, else evenly spread over it */
+        evidence->variance[2 * c + 1] = fmax(1e-8, (overlaps ? 2 : 2.0 / 3) * fmin(1, mu * mu));
         evidence->measured[c] = NAN;
         for (int k = 0; k < EVIDENCE_WIDTH; k++)
             evidence->place[c][k] = -1;

@@ -83,8 +83,8 @@ static int disturbed(const struct bench *bench, const struct packing *truth, con
     for (int method = METHOD_CDM; !status && method <= METHOD_MAP; method++) {
         struct force_options options = usual();
         options.start = START_OVERLAP;
-        options.rescale = 1;
-        options.iterations = method == METHOD_CDM ? 4000 : 0;
+        options.rescale = !network;
+        options.iterations = method == METHOD_CDM ? 1000 : method == METHOD_QSM ? 400 : 0;
         status = measure(truth, &measured, &options, (enum force_method)method, text);
     }
     packing_free(&measured);
