@@ -1,14 +1,23 @@
 #include "findgrains/rims_table.h"
 
 #include "findgrains/measure.h"
+#include "findgrains/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#define RAGGED 3.0    /* a rim whose sectors scatter this much more than is usual is not to be trusted */
 #define CUT_DEPTH 1.5 /* px that a rim may lie beyond the frame before the grain counts as cut */
 
-static uint32_t flags_of(const struct zone *zone, const struct refined *item, const struct candidate *origin)
+/* What is usual on this photo. */
+struct usual {
+    double shape;   /* RMS of the shapes over the radii: for rims that are too small to show one */
+    double scatter; /* px, of the sectors about the rim */
+};
+
+static uint32_t flags_of(const struct zone *zone, const struct refined *item, const struct candidate *origin,
+                         const struct usual *usual)
 {
     uint32_t flags = origin->by_hand ? GRAIN_BY_HAND : 0;
     double x = item->rim.x, y = item->rim.y, r = item->rim.radius;
@@ -18,28 +27,37 @@ static uint32_t flags_of(const struct zone *zone, const struct refined *item, co
         flags |= GRAIN_CUT;
     if (item->support < MEASURE_LEAST_SUPPORT)
         return flags | GRAIN_WEAK_EDGE | GRAIN_NO_CONTRAST;
-    if (item->support < MEASURE_WEAK_SUPPORT && item->hidden < 0.5)
+    if ((item->support < MEASURE_WEAK_SUPPORT && item->hidden < 0.5) || item->scatter > RAGGED * usual->scatter)
         flags |= GRAIN_WEAK_EDGE;
     if (!(item->moved < fmax(0.02, item->s_radius)))
         flags |= GRAIN_NOT_CONVERGED;
     return flags;
 }
 
-/* Typical size of a shape: the median over the measured rims, for those that are too small to show one. */
-static double usual_shape(const struct rims *rims)
+static int find_usual(const struct rims *rims, struct usual *usual)
 {
-    double sum = 0, count = 0;
-    for (size_t k = 0; k < rims->count; k++)
-        if (rims->items[k].s_shape > 0) {
-            double share = hypot(rims->items[k].rim.c2, rims->items[k].rim.s2) / rims->items[k].rim.radius;
+    double sum = 0, count = 0, *scatters = malloc((rims->count + 1) * sizeof *scatters);
+    size_t n = 0;
+    if (!scatters)
+        return error_memory("scatter of the rims");
+    for (size_t k = 0; k < rims->count; k++) {
+        const struct refined *item = &rims->items[k];
+        if (item->support > 0)
+            scatters[n++] = item->scatter;
+        if (item->s_shape > 0) {
+            double share = hypot(item->rim.c2, item->rim.s2) / item->rim.radius;
             sum += share * share;
             count += 1;
         }
-    return count > 0 ? sqrt(0.5 * sum / count) : 0;
+    }
+    usual->scatter = median_of(scatters, n);
+    usual->shape = count > 0 ? sqrt(0.5 * sum / count) : 0;
+    free(scatters);
+    return 0;
 }
 
 static void fill_row(const struct zone *zone, const struct rims_state *state, const struct rims *rims, size_t from,
-                     double shape, struct photo_grains *grains, size_t row)
+                     const struct usual *usual, struct photo_grains *grains, size_t row)
 {
     const struct refined *item = &rims->items[from];
     const struct candidate *origin = &rims->origin[from];
@@ -50,12 +68,12 @@ static void fill_row(const struct zone *zone, const struct rims_state *state, co
     grains->s_x[row] = measured ? item->s_x * state->correlation : origin->spread;
     grains->s_y[row] = measured ? item->s_y * state->correlation : origin->spread;
     grains->s_radius[row] = measured ? item->s_radius * state->correlation : origin->spread;
-    grains->flags[row] = flags_of(zone, item, origin);
+    grains->flags[row] = flags_of(zone, item, origin, usual);
     if (state->ellipse) {
         int shown = measured && item->s_shape > 0;
         grains->shape_c[row] = shown ? item->rim.c2 : 0;
         grains->shape_s[row] = shown ? -item->rim.s2 : 0; /* y down to counter-clockwise as seen */
-        grains->s_shape[row] = shown ? item->s_shape * state->correlation : shape * item->rim.radius;
+        grains->s_shape[row] = shown ? item->s_shape * state->correlation : usual->shape * item->rim.radius;
     }
 }
 
@@ -89,10 +107,10 @@ int rims_table(const struct zone *zone, const struct rims_state *state, const st
         places[k] = (struct place){rims->items[k].rim.y, rims->items[k].rim.x, k};
     if (!keep_order && rims->count)
         qsort(places, rims->count, sizeof *places, reading_order);
-    int status = alloc_columns(rims, state->ellipse, grains);
-    double shape = usual_shape(rims);
+    struct usual usual;
+    int status = find_usual(rims, &usual) || alloc_columns(rims, state->ellipse, grains) ? -1 : 0;
     for (size_t k = 0; k < rims->count && !status; k++)
-        fill_row(zone, state, rims, places[k].row, shape, grains, k);
+        fill_row(zone, state, rims, places[k].row, &usual, grains, k);
     free(places);
     return status;
 }

@@ -16,7 +16,8 @@ static double rim_at(const struct disc *disc, double dx, double dy)
 static double chord_end(const struct disc *disc, double dy, int sign)
 {
     double x = sqrt(fmax(0, disc->radius * disc->radius - dy * dy));
-    for (int k = 0; k < 30; k++) {
+    int rounds = disc->c2 == 0 && disc->s2 == 0 ? 0 : 30;
+    for (int k = 0; k < rounds; k++) {
         double r = rim_at(disc, sign * x, dy);
         x = sqrt(fmax(0, r * r - dy * dy));
     }
