@@ -274,12 +274,6 @@ static int write_integer(struct state_writer *writer, const char *attribute, int
 
 /* ---- provenance ---- */
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* JSON array of {name, sha256}; to be freed. */
 static char *describe_inputs(const struct provenance *provenance)
 {
@@ -293,7 +287,7 @@ static char *describe_inputs(const struct provenance *provenance)
         }
         cJSON *input = cJSON_CreateObject();
         cJSON_AddItemToArray(array, input);
-        cJSON_AddStringToObject(input, "name", base_name(provenance->input_paths[k]));
+        cJSON_AddStringToObject(input, "name", basename(provenance->input_paths[k]));
         cJSON_AddStringToObject(input, "sha256", digest);
     }
     text = cJSON_PrintUnformatted(array);

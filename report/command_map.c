@@ -88,12 +88,6 @@ static int draw(struct map *map, const char *path)
     return canvas_commit(&canvas);
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static int choose_forces(const struct packing *packing, const char *path, const char *method,
                          const struct forces **forces)
 {
@@ -170,7 +164,7 @@ static int run(const struct options *options)
     enum canvas_format format;
     if (canvas_format_of(options->cli.output, &format) || loaded_read(options->files.paths[0], &loaded))
         return -1;
-    const char *title = options->title ? options->title : base_name(loaded.path);
+    const char *title = options->title ? options->title : basename(loaded.path);
     int result = loaded.is_si ? run_si_side(options, &loaded, title) : run_photo_side(options, &loaded, title);
     loaded_free(&loaded);
     return result;

@@ -76,7 +76,7 @@ static int film_frame(const struct film *film, const struct common *common, cons
 {
     struct packing packing;
     struct photo photo = {0};
-    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    const char *base = basename(path);
     char name[256], *frame_path = NULL;
     if (packing_read(path, &packing))
         return -1;

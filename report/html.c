@@ -65,6 +65,13 @@ void html_format(struct html *html, const char *format, ...)
     html_text(html, text);
 }
 
+void html_cell(struct html *html, const char *text)
+{
+    fputs("<td class=\"left\">", html->stream);
+    html_text(html, text);
+    fputs("</td>", html->stream);
+}
+
 void html_number(struct html *html, double value, int digits)
 {
     if (isfinite(value))

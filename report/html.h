@@ -19,6 +19,8 @@ void html_free(struct html *html); /* accepts a zeroed struct */
 void html_text(struct html *html, const char *text);
 /* printf, then escaped. */
 void html_format(struct html *html, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* <td> with text. */
+void html_cell(struct html *html, const char *text);
 /* <td> with a number of that many significant digits; NaN: a dash. */
 void html_number(struct html *html, double value, int digits);
 /* An image inside the page: media "image/png" or "image/svg+xml". */

@@ -43,4 +43,9 @@ int map_measure(struct map *map);
 /* Draw into (0, 0, width, height). */
 int map_draw(const struct map *map, cairo_t *cairo);
 
+/* Parts of it: the force that gets the unit of width (N), the width of a force (px), what stands below the map. */
+double map_unit_fn(const struct map *map);
+double map_line_width(const struct map *map, double fn);
+void map_legend(const struct map *map, cairo_t *cairo);
+
 #endif

@@ -20,13 +20,6 @@ static void table_end(struct html *html)
     fputs("</table></div></details>\n", html->stream);
 }
 
-static void cell_name(struct html *html, const char *name)
-{
-    fputs("<td class=\"left\">", html->stream);
-    html_text(html, name);
-    fputs("</td>", html->stream);
-}
-
 /* "lost 2, cut 5"; the bits of one half. */
 static void cell_flags(struct html *html, const size_t of_bit[32], int first, int last)
 {
@@ -45,8 +38,8 @@ static void photo_row(struct html *html, const struct series_row *row, const cha
                       const struct photo_summary *photo)
 {
     fputs("<tr>", html->stream);
-    cell_name(html, row->name);
-    cell_name(html, what);
+    html_cell(html, row->name);
+    html_cell(html, what);
     html_number(html, row->time_s, 6);
     html_number(html, (double)photo->grains, 9);
     html_number(html, (double)photo->distrusted, 9);
@@ -98,7 +91,7 @@ void page_states(const struct series *series, struct html *html)
         if (!packing->path)
             continue;
         fputs("<tr>", html->stream);
-        cell_name(html, series->rows[k].name);
+        html_cell(html, series->rows[k].name);
         html_number(html, packing->strain[0], 4);
         html_number(html, packing->strain[1], 4);
         html_number(html, (double)packing->grains, 9);
@@ -106,7 +99,7 @@ void page_states(const struct series *series, struct html *html)
         html_number(html, (double)packing->fabric.wall_contacts, 9);
         html_number(html, (double)packing->candidates, 9);
         html_number(html, (double)packing->fabric.rattlers, 9);
-        html_number(html, (double)packing->flags[19], 9);
+        html_number(html, (double)packing->floating, 9);
         html_number(html, packing->fabric.z, 4);
         html_number(html, packing->fabric.void_ratio, 4);
         cell_flags(html, packing->flags, 0, 15);
@@ -120,9 +113,9 @@ static void stress_row(struct html *html, const struct series_row *row, const st
     const struct packing_summary *packing = &row->packing;
     double unit = packing->in_pascal ? 1e-3 : 1;
     fputs("<tr>", html->stream);
-    cell_name(html, row->name);
-    cell_name(html, forces->method);
-    cell_name(html, forces->start);
+    html_cell(html, row->name);
+    html_cell(html, forces->method);
+    html_cell(html, forces->start);
     html_number(html, unit * packing->applied[0][0], 5);
     html_number(html, unit * forces->weber[0][0], 5);
     html_number(html, unit * packing->applied[1][1], 5);
@@ -174,8 +167,8 @@ void page_inputs(const struct series *series, struct html *html)
           html->stream);
     for (size_t k = 0; k < series->input_count; k++) {
         fputs("<tr>", html->stream);
-        cell_name(html, series->inputs[k].file);
-        cell_name(html, series->inputs[k].name);
+        html_cell(html, series->inputs[k].file);
+        html_cell(html, series->inputs[k].name);
         fputs("<td class=\"left\"><code>", html->stream);
         html_text(html, series->inputs[k].sha256);
         fputs("</code></td></tr>\n", html->stream);

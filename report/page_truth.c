@@ -38,13 +38,6 @@ static int compare_one(const struct page *page, const struct series_row *row, co
     return result;
 }
 
-static void cell_name(struct html *html, const char *name)
-{
-    fputs("<td class=\"left\">", html->stream);
-    html_text(html, name);
-    fputs("</td>", html->stream);
-}
-
 static void cells(struct html *html, const struct figures *figures, const char *const names[], int digits)
 {
     for (; *names; names++)
@@ -67,7 +60,7 @@ static int found_table(const struct page *page, const struct series *series, str
         if (compare_one(page, &series->rows[k], series->rows[k].grains.path, NULL, &figures))
             return -1;
         fputs("<tr>", html->stream);
-        cell_name(html, series->rows[k].name);
+        html_cell(html, series->rows[k].name);
         cells(html, &figures, names, 3);
         fputs("</tr>\n", html->stream);
     }
@@ -102,7 +95,7 @@ static int motion_table(const struct page *page, const struct series *series, st
             continue;
         result = compare_one(page, &series->rows[k], series->rows[k].tracks.path, b0, &figures);
         fputs("<tr>", html->stream);
-        cell_name(html, series->rows[k].name);
+        html_cell(html, series->rows[k].name);
         cells(html, &figures, names, 3);
         fputs("</tr>\n", html->stream);
     }
@@ -117,8 +110,8 @@ static void force_row(const struct series_row *row, const char *method, const st
     static const char *const names[] = {"contact_precision", "contact_recall", "contact_f1",  "r_fn",        "r_ft",
                                         "r_fn_all",          "dist_over_fn",   "mean_fn_a_N", "mean_fn_b_N", NULL};
     fputs("<tr>", html->stream);
-    cell_name(html, row->name);
-    cell_name(html, method);
+    html_cell(html, row->name);
+    html_cell(html, method);
     cells(html, figures, names, 3);
     fputs("</tr>\n", html->stream);
 }

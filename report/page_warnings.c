@@ -124,7 +124,7 @@ static void warn_floating(struct warnings *warnings, const struct series *series
     struct tally floating = {0};
     for (size_t k = 0; k < series->count; k++)
         if (series->rows[k].packing.path)
-            tally_add(&floating, (double)series->rows[k].packing.flags[19], 0, series->rows[k].name);
+            tally_add(&floating, (double)series->rows[k].packing.floating, 0, series->rows[k].name);
     warn_tally(warnings, &floating, "contacts", "states grains float, so that a contact must have been missed", 1,
                " grains");
 }

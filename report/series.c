@@ -121,6 +121,8 @@ static int summarise_packing(const struct loaded *loaded, struct packing_summary
     summary->path = strdup(loaded->path);
     summary->grains = packing->grains.count;
     summary->distrusted = count_flags(packing->grains.flags, packing->grains.count, summary->flags);
+    for (size_t k = 0; k < packing->grains.count; k++)
+        summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;
     for (size_t c = 0; c < packing->contacts.count; c++)
         summary->candidates += (packing->contacts.flags[c] & CONTACT_CANDIDATE) != 0;
     packing_fabric(packing, &summary->fabric);
@@ -156,12 +158,6 @@ static int add_input(struct series *series, const char *file, const char *name, 
     return input->file && input->name && input->sha256 ? 0 : error_memory("the list of inputs");
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static int note_inputs(struct series *series, const struct loaded *loaded)
 {
     const struct state_info *info = loaded_info(loaded);
@@ -179,7 +175,7 @@ static int note_inputs(struct series *series, const struct loaded *loaded)
         if (json_string(json, input, "name", &name) != 1 || json_string(json, input, "sha256", &sha256) != 1)
             result = error_input("%s: its list of inputs is not readable: make the file again", loaded->path);
         else
-            result = add_input(series, base_name(loaded->path), name, sha256);
+            result = add_input(series, basename(loaded->path), name, sha256);
         if (result)
             break;
     }
@@ -192,7 +188,7 @@ static int note_inputs(struct series *series, const struct loaded *loaded)
 /* The row of that name, made when there is none. */
 static struct series_row *row_of(struct series *series, const char *path, const struct state_info *info)
 {
-    const char *base = base_name(path);
+    const char *base = basename(path);
     size_t length = strcspn(base, ".");
     for (size_t k = 0; k < series->count; k++)
         if (strlen(series->rows[k].name) == length && !strncmp(series->rows[k].name, base, length))
