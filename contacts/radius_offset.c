@@ -7,8 +7,9 @@
 enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 15, ZOOMS = 3 };
 #define LEAST_CONTRAST 3.0 /* density of touching over that of apart pairs at zero, below which there is no pile-up */
 
-#define HIDDEN 0.5  /* a zero known no better than to this share of the mean overlap tells nothing, */
-#define BLURRED 1.2 /* nor do overlaps whose errors are larger than their mean by this factor */
+#define HIDDEN 0.5       /* a zero known no better than to this share of the mean overlap tells nothing, */
+#define MODEL_ERROR 0.05 /* of the mean overlap: what the density's shape leaves open, from simulated packings */
+#define BLURRED 1.2      /* nor do overlaps whose errors are larger than their mean by this factor */
 
 /* The pairs near the pile-up: overlap, error, lever (d overlap / d correction). */
 struct sample {
@@ -155,6 +156,8 @@ static void maximise(const struct sample *sample, double low, double high, struc
         correction->why = "the errors of the overlaps hide the edge";
     else
         correction->decided = 1;
+    if (correction->decided)
+        correction->error = hypot(correction->error, MODEL_ERROR * pair_mean_overlap(&st) * 2 / sample->mean_lever);
 }
 
 int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,

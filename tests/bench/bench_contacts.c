@@ -1,6 +1,7 @@
 /* How right is the contact network? Packings of the virtual 1g2e with known contacts, seen with errors of centres and
  * radii, go through find_contacts; precision, recall and F1 against the error of the radii, the injected radius offset
- * and scale. bench_contacts [--grains N] [--kappa K] [--seed S] [--only errors|offset|reliability|speed] [--truth FILE]
+ * and scale. bench_contacts [--grains N] [--kappa K] [--seed S] [--only errors|offset|reliability|forces|speed]
+ * [--truth FILE]
  * [--save FILE]. */
 #include <math.h>
 #include <stdio.h>
@@ -9,6 +10,7 @@
 #include <time.h>
 
 #include "contacts/find_contacts.h"
+#include "forces/infer_forces.h"
 #include "pipeline/error.h"
 #include "pipeline/random.h"
 #include "simulation/simulate.h"
@@ -290,6 +292,87 @@ static int reliability(const struct packing *truth)
     return 0;
 }
 
+/* Pearson r of the normal forces that a method finds on this network with the true ones (the overlaps: linear law);
+ * a lost contact counts as no force. */
+static double downstream(const struct packing *truth, struct packing *found, enum force_method method)
+{
+    struct force_options options = FORCE_OPTIONS_DEFAULT;
+    struct forces forces = {0};
+    double *force = calloc(truth->contacts.count + 1, sizeof *force), n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+    options.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
+    options.tolerance = 1e-4;
+    for (size_t w = 0; w < found->walls.count; w++) {
+        long same = walls_find(&truth->walls, found->walls.name[w]);
+        found->walls.fx[w] = truth->walls.fx[same];
+        found->walls.fy[w] = truth->walls.fy[same];
+    }
+    if (!force || infer_forces(found, &options, method, &forces)) {
+        free(force);
+        return NAN;
+    }
+    for (size_t c = 0; c < found->contacts.count; c++) {
+        int64_t j = found->contacts.j[c], grains = (int64_t)truth->grains.count;
+        if (j >= grains)
+            j = grains + walls_find(&truth->walls, found->walls.name[j - grains]);
+        struct contact_key key = {found->contacts.i[c], j, 0};
+        struct contact_key *same = bsearch(&key, truth_keys, truth->contacts.count, sizeof key, by_key);
+        if (same && isfinite(forces.contact.fn[c]))
+            force[same->row] = forces.contact.fn[c];
+    }
+    for (size_t c = 0; c < truth->contacts.count; c++) {
+        double x = force[c], y = truth->contacts.overlap[c];
+        n++;
+        a += x;
+        b += y;
+        aa += x * x;
+        bb += y * y;
+        ab += x * y;
+    }
+    free(force);
+    forces_free(&forces);
+    return (ab - a * b / n) / sqrt((aa - a * a / n) * (bb - b * b / n));
+}
+
+/* One network and what qsm and cdm make of it. */
+static int forces_once(const struct packing *truth, const struct seen *seen, const struct contact_options *options)
+{
+    struct scene scene = scene_of(truth);
+    struct photo_grains grains = {0};
+    struct packing found = {0};
+    struct score score = {0};
+    struct contact_input input = {.scene = &scene, .grains = &grains, .is_reference = 1};
+    int status = look(truth, &scene, seen, &grains) || find_contacts(&input, options, &found, NULL) ? -1 : 0;
+    if (!status) {
+        score_add(truth, &found, &score);
+        double qsm = downstream(truth, &found, METHOD_QSM), cdm = downstream(truth, &found, METHOD_CDM);
+        printf("%10.4f %9.4f %8.4f %8.4f", score.right / score.expected, score.right / score.found, qsm, cdm);
+    }
+    packing_free(&found);
+    table_free(&PHOTO_GRAINS, &grains);
+    return status;
+}
+
+/* Where does the network stop mattering? Forces on networks of wrong radii: with the plain threshold of the thesis, and
+ * with the automatic offset and decision. */
+static int forces_behind(const struct packing *truth)
+{
+    const double errors[] = {0.01, 0.05}, offsets[] = {-0.1, -0.05, -0.02, 0, 0.05, 0.1, 0.3};
+    printf("                       overlap > 0: r(fn) from overlaps             automatic\n"
+           "     s  offset     recall precision      qsm      cdm     recall precision      qsm      cdm\n");
+    for (size_t e = 0; e < 2; e++)
+        for (size_t o = 0; o < 7; o++) {
+            struct seen seen = {errors[e], offsets[o], 1, 5};
+            struct contact_options plain = CONTACT_OPTIONS_DEFAULT, automatic = CONTACT_OPTIONS_DEFAULT;
+            plain.tolerance_px = 0;
+            automatic.radius_offset_auto = 1;
+            printf("%6.3f %+7.3f ", seen.s, seen.offset);
+            if (forces_once(truth, &seen, &plain) || forces_once(truth, &seen, &automatic))
+                return -1;
+            printf("\n");
+        }
+    return 0;
+}
+
 /* CPU time against the number of grains: a hexagonal crystal with errors of 0.02 px. */
 static int speed(void)
 {
@@ -359,6 +442,7 @@ int main(int argc, char **argv)
     if (status >= 0)
         status = ((!only || !strcmp(only, "errors")) && tables(&truth)) ||
                          ((!only || !strcmp(only, "offset")) && offsets_found(&truth)) ||
+                         ((!only || !strcmp(only, "forces")) && forces_behind(&truth)) ||
                          ((!only || !strcmp(only, "reliability")) && reliability(&truth))
                      ? -1
                      : 0;

@@ -565,7 +565,7 @@ static void test_automatic_radius_offset(void **state)
         check_done(find(&s, NULL, 1));
         assert_null(s.summary.undecided);
         check_near(s.summary.radius_offset_px, -offsets[k], 0.02);
-        check_at_most(s.summary.s_radius_offset_px, 0.01);
+        check_at_most(s.summary.s_radius_offset_px, 0.015); /* 5 % of the mean overlap, and the scatter */
         squares += pow((s.summary.radius_offset_px + offsets[k]) / s.summary.s_radius_offset_px, 2);
         setup_free(&s);
     }
