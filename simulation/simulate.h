@@ -37,8 +37,6 @@ struct loading_steps {
     double amount;
 };
 
-#define strain_steps loading_steps /* its former name */
-
 enum loading_test {
     TEST_ISOTROPIC,          /* stress steps on both walls */
     TEST_BIAXIAL_VERTICAL,   /* strain steps of the top wall, the right wall keeps the pressure */

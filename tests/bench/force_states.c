@@ -45,7 +45,7 @@ int states_simulate(double grains, double kappa, uint64_t seed, long steps, doub
                                     {(long)(426 * share + 0.5), 12e-3},
                                     {(long)(406 * share + 0.5), 14e-3},
                                     {(long)(220 * share + 0.5), 20e-3}};
-    const struct strain_steps loading[] = {{steps, strain}};
+    const struct loading_steps loading[] = {{steps, strain}};
     memset(states, 0, sizeof *states);
     simulation.seed = seed;
     simulation.grading = grading, simulation.grade_count = 4;
