@@ -54,7 +54,8 @@ static const char help[] =
     "photo. Give the photos in the order of the test.\n\n"
     "Scene: \"tracker\": {\"subset\": 0.8, \"search_px\": 64, \"search_deg\": 25}; \"drift_patches_px\": fixed "
     "speckled "
-    "paper, the camera's own motion is undone; \"frame\": {\"markers_px\"}: speckled marks on the walls.\n\n"
+    "paper, the camera's own motion is undone; \"frame\": {\"markers_px\"}: speckled marks on the walls; \"lens\": a "
+    "file of calibration lens, undone.\n\n"
     "Example: tracker --scene scene.json --grains 0000.grains.hdf --reference 0000.tif 0001.tif 0002.tif -o tracks";
 
 static int run(struct options *options)
