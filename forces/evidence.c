@@ -36,6 +36,22 @@ static int evidence_alloc(size_t count, struct evidence *evidence)
     return error_memory("overlap errors");
 }
 
+int evidence_copy(const struct evidence *from, struct evidence *to)
+{
+    size_t n = from->count;
+    if (evidence_alloc(n, to))
+        return -1;
+    to->errors = from->errors;
+    memcpy(to->prior, from->prior, 2 * n * sizeof(double));
+    memcpy(to->variance, from->variance, 2 * n * sizeof(double));
+    memcpy(to->measured, from->measured, n * sizeof(double));
+    memcpy(to->slack, from->slack, n * sizeof(double));
+    memcpy(to->place, from->place, n * sizeof *to->place);
+    memcpy(to->share, from->share, n * sizeof *to->share);
+    memcpy(to->open, from->open, n);
+    return 0;
+}
+
 static double error_of(const double *column, size_t row)
 {
     double s = column_or_zero(column, row);

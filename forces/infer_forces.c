@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/evidence.h"
+#include "forces/sample.h"
 #include "pipeline/error.h"
 #include "pipeline/stress.h"
 
@@ -28,18 +28,20 @@ static int check_options(const struct force_options *options, enum force_method 
 }
 
 static int solve_map(const struct packing *packing, const struct network *network, const struct force_options *options,
-                     double *f, struct outcome *outcome)
+                     double *f, struct outcome *outcome, struct spread *spread)
 {
     struct evidence evidence;
     if (evidence_build(packing, network, options, f, &evidence))
         return -1;
     int status = map_solve(network, options, &evidence, f, outcome);
+    if (!status && options->samples > 1)
+        status = sample_forces(network, options, &evidence, spread);
     evidence_free(&evidence);
     return status;
 }
 
 static int solve(const struct packing *packing, const struct network *network, const struct force_options *options,
-                 enum force_method method, double *f, struct outcome *outcome)
+                 enum force_method method, double *f, struct outcome *outcome, struct spread *spread)
 {
     if (method == METHOD_CEM)
         return cem_forces(packing, network, options, f);
@@ -49,7 +51,7 @@ static int solve(const struct packing *packing, const struct network *network, c
         return cdm_solve(network, options, f, outcome);
     if (method == METHOD_QSM)
         return qsm_solve(network, options, f, outcome);
-    return solve_map(packing, network, options, f, outcome);
+    return solve_map(packing, network, options, f, outcome, spread);
 }
 
 /* cem has no say in equilibrium: it is judged like the others. */
@@ -83,6 +85,23 @@ static void store_contacts(const struct network *network, const double *f, struc
         out->ft[row] = f[2 * c + 1] * network->force;
         out->status[row] = status_of(network->contact[c].mu, f[2 * c], f[2 * c + 1]);
     }
+}
+
+/* Contacts that are not used keep NaN: nothing was sampled there. */
+static int store_spread(const struct network *network, const struct spread *spread, struct contact_forces *out)
+{
+    static const char *const names[] = {"s_fn", "s_ft", "fn_min", "fn_max"};
+    for (size_t k = 0; k < 4; k++)
+        if (table_add(&CONTACT_FORCES, out, names[k]))
+            return -1;
+    for (size_t c = 0; c < network->count; c++) {
+        size_t row = network->contact[c].row;
+        out->s_fn[row] = spread->s_fn[c] * network->force;
+        out->s_ft[row] = spread->s_ft[c] * network->force;
+        out->fn_min[row] = spread->fn_min[c] * network->force;
+        out->fn_max[row] = spread->fn_max[c] * network->force;
+    }
+    return 0;
 }
 
 /* A grain that is held or carries nothing: its residual is its load, or 0 when it is fixed. */
@@ -133,11 +152,16 @@ static int infer(const struct packing *packing, const struct network *network, c
 {
     double *f = calloc(2 * network->count + 1, sizeof *f), *unbalance = calloc(network->dofs + 1, sizeof *unbalance);
     struct outcome outcome = {0};
+    struct spread spread = {0};
     int status = -1;
     if (!f || !unbalance)
         status = error_memory("forces");
-    else if (!solve(packing, network, options, method, f, &outcome) && !judge(network, options, f, &outcome, unbalance))
+    else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
+             !judge(network, options, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
+    if (!status && spread.s_fn)
+        status = store_spread(network, &spread, &forces->contact);
+    spread_free(&spread);
     free(f), free(unbalance);
     return status;
 }

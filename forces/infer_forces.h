@@ -24,6 +24,7 @@ struct force_options {
     int rescale;                    /* scale forces from overlaps to the loads' virial: 0 keeps kn as given */
     double tolerance;               /* largest unbalanced component over <fn> */
     int iterations;                 /* limit; 0: the method's own */
+    int samples;                    /* map: draws for s_fn, s_ft and the 90 % interval; 0: none, else 2 or more */
     /* cdm */
     double relaxation; /* 1: Gauss-Seidel; up to 1.5 */
     double thickness;  /* graph thickness: relative velocity below which a contact is left alone, in <fn> / mean mass */

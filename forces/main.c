@@ -8,11 +8,11 @@
 struct arguments {
     struct cli cli;
     const char *input, *previous, *methods, *start;
-    double tolerance, iterations; /* NaN: not on the command line */
-    int fix;                      /* -1: not on the command line */
+    double tolerance, iterations, samples; /* NaN: not on the command line */
+    int fix;                               /* -1: not on the command line */
 };
 
-enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS };
+enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES };
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -23,6 +23,7 @@ static const struct argp_option option_list[] = {
     {"previous", PREVIOUS, "FILE", 0, "Forces of the previous state: for cem and --start previous", 0},
     {"tolerance", TOLERANCE, "X", 0, "Largest unbalanced force over the mean normal force (1e-6)", 0},
     {"iterations", ITERATIONS, "N", 0, "Stop after N iterations (0: the method's own limit)", 0},
+    {"samples", SAMPLES, "N", 0, "map: N draws for standard deviations and 90 % intervals (0: none)", 0},
     {0}};
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
@@ -49,6 +50,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         return 0;
     case ITERATIONS:
         arguments->iterations = cli_number(state, "--iterations", arg, 0, 1e8);
+        return 0;
+    case SAMPLES:
+        arguments->samples = cli_number(state, "--samples", arg, 0, 1e5);
         return 0;
     case ARGP_KEY_ARG:
         if (arguments->input)
@@ -98,6 +102,8 @@ static int run(const struct arguments *arguments)
             request.options.tolerance = arguments->tolerance;
         if (arguments->iterations >= 0)
             request.options.iterations = (int)arguments->iterations;
+        if (arguments->samples >= 0)
+            request.options.samples = (int)arguments->samples;
         status = add_forces(&request, &unbalanced, &grains);
     }
     scene_free(&scene);
@@ -121,7 +127,7 @@ int main(int argc, char **argv)
         children,
         NULL,
         NULL};
-    struct arguments arguments = {.cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .fix = -1};
+    struct arguments arguments = {.cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .samples = NAN, .fix = -1};
     cli_parse(&parser, argc, argv, &arguments);
     return cli_finish(&arguments.cli, run(&arguments));
 }

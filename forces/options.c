@@ -31,8 +31,9 @@ int method_list_parse(const char *text, struct method_list *list)
     }
 }
 
-static const char *const KEYS[] = {"method",     "start",     "fix",       "rescale",    "tolerance", "iterations",
-                                   "relaxation", "thickness", "wall_mass", "orthogonal", "anderson",  NULL};
+static const char *const KEYS[] = {"method",     "start",      "fix",       "rescale",   "tolerance",
+                                   "iterations", "relaxation", "thickness", "wall_mass", "orthogonal",
+                                   "anderson",   "samples",    NULL};
 
 static int read_words(const struct scene *scene, const cJSON *section, struct method_list *list,
                       struct force_options *options)
@@ -55,7 +56,7 @@ static int read_words(const struct scene *scene, const cJSON *section, struct me
 static int read_numbers(const struct scene *scene, const cJSON *section, struct force_options *options)
 {
     const struct json *json = scene->json;
-    long iterations = options->iterations, anderson = options->anderson;
+    long iterations = options->iterations, anderson = options->anderson, samples = options->samples;
     if (json_boolean(json, section, "rescale", &options->rescale) < 0 ||
         json_boolean(json, section, "orthogonal", &options->orthogonal) < 0 ||
         json_number(json, section, "tolerance", 1e-14, 1, &options->tolerance) < 0 ||
@@ -67,6 +68,7 @@ static int read_numbers(const struct scene *scene, const cJSON *section, struct 
         return -1;
     options->iterations = (int)iterations;
     options->anderson = (int)anderson;
+    options->samples = (int)samples;
     return 0;
 }
 

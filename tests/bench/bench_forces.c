@@ -1,6 +1,6 @@
 /* Speed against error of the force methods, on virtual states with known forces (docs/forces.md):
  *
- *     bench_forces speed|noise|network|size [--kappa K,...] [--grains N] [--seed S]
+ *     bench_forces speed|noise|network|interval [--kappa K,...] [--grains N] [--seed S]
  *
  * All times are CPU seconds of one thread, the network and its factorisation included. */
 #include <stdio.h>
@@ -110,6 +110,40 @@ static int table_network(const struct bench *bench, const struct packing *truth,
     return 0;
 }
 
+/* Share of the true normal forces that the stated 90 % interval holds, and how its width ranks the errors. */
+static int table_interval(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const double pixels[] = {0.03, 0.1};
+    for (int k = 0; k < 2; k++) {
+        struct disturbance disturbance = {PIXEL * pixels[k], 0, 0, bench->seed};
+        struct force_options options = usual();
+        struct packing measured;
+        struct forces forces;
+        options.samples = 40;
+        if (states_disturb(truth, &disturbance, &measured))
+            return -1;
+        double begin = states_cpu();
+        if (infer_forces(&measured, &options, METHOD_MAP, &forces))
+            return -1;
+        const double *fn = packing_forces(truth, "dem")->contact.fn;
+        double held = 0, used = 0, square = 0;
+        for (size_t c = 0; c < forces.contact.count; c++) {
+            if (forces.contact.status[c] == STATUS_NOT_USED)
+                continue;
+            double slack = 1e-6 * states_mean_force(truth);
+            held += fn[c] >= forces.contact.fn_min[c] - slack && fn[c] <= forces.contact.fn_max[c] + slack;
+            square += pow((forces.contact.fn[c] - fn[c]) / (forces.contact.s_fn[c] + slack), 2);
+            used++;
+        }
+        printf(
+            "%-34s %.2f px: %.1f %% of the true fn in the 90 %% interval, rms error / s_fn %.2f, %.3f cpu s a draw\n",
+            label, pixels[k], 100 * held / used, sqrt(square / used), (states_cpu() - begin) / 41);
+        forces_free(&forces);
+        packing_free(&measured);
+    }
+    return 0;
+}
+
 static int run(const struct bench *bench, table *make)
 {
     headline();
@@ -133,7 +167,8 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         table *make;
-    } tables[] = {{"speed", table_speed}, {"noise", table_noise}, {"network", table_network}};
+    } tables[] = {
+        {"speed", table_speed}, {"noise", table_noise}, {"network", table_network}, {"interval", table_interval}};
     struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .seed = 7};
     table *make = NULL;
     for (int k = 1; k < argc; k++) {
@@ -152,7 +187,8 @@ int main(int argc, char **argv)
             bench.steps = strtol(value, NULL, 10);
     }
     if (!make) {
-        fprintf(stderr, "bench_forces: which table? speed, noise or network [--kappa K,... --grains N --steps N]\n");
+        fprintf(stderr,
+                "bench_forces: which table? speed, noise, network or interval [--kappa K,... --grains N --steps N]\n");
         return EXIT_USAGE;
     }
     if (!run(&bench, make))
