@@ -105,7 +105,15 @@ static void test_two_grains(void **state)
 static void test_one_grain_and_no_contact(void **state)
 {
     (void)state;
-    struct setup s = setup_new(1);
+    struct setup s = setup_new(0);
+    set_frame(&s, 0, 0, 500, 400);
+    s.options.frame_error_px = 0.3;
+    s.options.radius_offset_auto = 1;
+    check_done(find(&s, NULL, 1)); /* no grain at all */
+    assert_int_equal(s.packing.contacts.count, 0);
+    assert_int_equal(s.packing.walls.count, 4);
+    setup_free(&s);
+    s = setup_new(1);
     put(&s, 0, 10, 10, 5);
     check_done(find(&s, NULL, 1));
     assert_int_equal(s.packing.contacts.count, 0);
@@ -486,6 +494,42 @@ static void test_repair(void **state)
     }
 }
 
+/* Barrel distortion of 3 px at the corner, undone for grains as seen and for the frame; not for what the tracker
+ * corrected. */
+static void test_lens(void **state)
+{
+    (void)state;
+    const struct lens lens = {.centre = {500, 500}, .k = {-8e-9, 0, 0}};
+    struct setup s = setup_new(2);
+    const double x[] = {900, 979.5}, up[] = {900, 900};
+    for (size_t k = 0; k < 2; k++) {
+        struct vec seen = lens_seen(&lens, vec(x[k], HEIGHT - up[k]));
+        double j[2][2];
+        lens_jacobian(&lens, seen, j);
+        put(&s, k, seen.x, HEIGHT - seen.y, 40 / sqrt(j[0][0] * j[1][1] - j[0][1] * j[1][0]));
+    }
+    set_frame(&s, 0, 0, 1000, 1000);
+    for (int k = 0; k < 4; k++)
+        s.scene.frame.corners_px[k] = lens_seen(&lens, s.scene.frame.corners_px[k]);
+    s.input =
+        (struct contact_input){.scene = &s.scene, .grains = &s.grains, .lens = &lens, .seen = 1, .is_reference = 1};
+    check_done(find_contacts(&s.input, &s.options, &s.packing, NULL));
+    for (size_t k = 0; k < 2; k++) {
+        check_near(s.packing.grains.x[k], x[k] * SCALE, 1e-9 * SCALE);
+        check_near(s.packing.grains.y[k], up[k] * SCALE, 1e-9 * SCALE);
+        check_near(s.packing.grains.radius[k], 40 * SCALE, 1e-9 * SCALE);
+    }
+    check_near(s.packing.contacts.overlap[row_of(&s, 0, 1)], 0.5 * SCALE, 1e-8 * SCALE);
+    check_near(s.packing.walls.x0[2], 1000 * SCALE, 1e-8 * SCALE); /* the top begins at the right */
+    check_near(s.packing.walls.y0[2], 1000 * SCALE, 1e-8 * SCALE);
+    double seen_px = s.grains.x_px[0];
+    packing_free(&s.packing);
+    s.input.seen = 0;
+    check_done(find_contacts(&s.input, &s.options, &s.packing, NULL));
+    check_near(s.packing.grains.x[0], seen_px * SCALE, 1e-12);
+    setup_free(&s);
+}
+
 /* The same radii from three photos, one of them flagged: the mean of the good ones, and their error. */
 static void test_radii_from_several_photos(void **state)
 {
@@ -623,6 +667,7 @@ int main(void)
         cmocka_unit_test(test_error_of_an_overlap),
         cmocka_unit_test(test_peeling),
         cmocka_unit_test(test_repair),
+        cmocka_unit_test(test_lens),
         cmocka_unit_test(test_radii_from_several_photos),
         cmocka_unit_test(test_opening_and_closing),
         cmocka_unit_test(test_automatic_radius_offset),
