@@ -102,8 +102,8 @@ static int lattice(struct dem *dem, size_t columns, size_t rows)
     if (dem_alloc(dem, columns * rows))
         return -1;
     dem->law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
-    dem->mu = 0.5;
-    dem->damping_ratio = 0.1;
+    dem->mu = dem->mu_wall = 0.5;
+    dem->damping_ratio = 0; /* LAMMPS lets its dashpots pull, we do not: without them the two must agree */
     dem->skin = 0.4 * radius;
     for (size_t k = 0; k < dem->count; k++) {
         struct dem_grain *g = &dem->grains[k];
@@ -245,7 +245,7 @@ static int scale(size_t columns, size_t rows, long steps, FILE *json, int first)
 
 static int scaling(FILE *json)
 {
-    return scale(32, 32, 2000, json, 1) || scale(100, 100, 200, json, 0) || scale(316, 317, 40, json, 0) ? -1 : 0;
+    return scale(32, 32, 1000, json, 1) || scale(100, 100, 200, json, 0) || scale(316, 317, 40, json, 0) ? -1 : 0;
 }
 
 /* bench_simulate [--scaling (beside LAMMPS, where `lmp` is installed) | SHARE [INERTIAL]] [--json FILE]; SHARE: of the
