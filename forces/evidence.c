@@ -134,7 +134,7 @@ static int fill_measured(const struct packing *packing, const struct network *ne
 static double stiffness_in_units(const struct packing *packing, const struct network *network,
                                  const struct force_options *options)
 {
-    double stiffness = options->law.kn / network->force, virial = 0, length = 0;
+    double stiffness = options->law.kn / network->force, virial = 0;
     if (!options->rescale || !isfinite(network->virial))
         return stiffness;
     for (size_t c = 0; c < network->count; c++) {
@@ -143,7 +143,6 @@ static double stiffness_in_units(const struct packing *packing, const struct net
         if (candidate || !isfinite(packing->contacts.overlap[row]))
             continue;
         virial += stiffness * packing->contacts.overlap[row] * network->contact[c].length;
-        length += network->contact[c].length;
     }
     return virial > 0 ? stiffness * network->virial / virial : stiffness;
 }
