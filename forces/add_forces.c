@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/network.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 
@@ -34,6 +35,9 @@ static void tell(const struct forces *forces)
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
+    double misfit = network_load_misfit(packing);
+    if (isfinite(misfit)) /* all four walls are loaded: left and bottom react */
+        log_event("loads", "misfit", misfit, NULL);
     for (int k = 0; k < request->methods.count; k++) {
         enum force_method method = request->methods.method[k];
         struct forces inferred, *room;

@@ -7,7 +7,8 @@
 
 struct arguments {
     struct cli cli;
-    const char *input, *previous, *methods, *start;
+    const char *input, *previous, *start;
+    struct method_list methods;            /* count 0: not on the command line */
     double tolerance, iterations, samples; /* NaN: not on the command line */
     int fix;                               /* -1: not on the command line */
 };
@@ -34,7 +35,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         state->child_inputs[0] = &arguments->cli;
         return 0;
     case METHOD:
-        arguments->methods = arg;
+        if (method_list_parse(arg, &arguments->methods))
+            argp_error(state, "--method %s: %s", arg, error_message());
         return 0;
     case START:
         arguments->start = arg;
@@ -90,10 +92,11 @@ static int run(const struct arguments *arguments)
                                     .methods = {{METHOD_MAP}, 1},
                                     .options = FORCE_OPTIONS_DEFAULT};
     size_t unbalanced = 0, grains = 0;
-    int status = scene_read(arguments->cli.scene, &scene) ||
-                 force_options_read(&scene, &request.methods, &request.options) ||
-                 (arguments->methods && method_list_parse(arguments->methods, &request.methods));
+    int status =
+        scene_read(arguments->cli.scene, &scene) || force_options_read(&scene, &request.methods, &request.options);
     if (!status) {
+        if (arguments->methods.count > 0)
+            request.methods = arguments->methods;
         if (arguments->start)
             choose_start(arguments->start, &request);
         if (arguments->fix >= 0)

@@ -44,7 +44,7 @@ static double grain_load(const double *column, size_t k)
 }
 
 /* Sum of the loads on all walls and grains over the largest; NaN unless every segment is loaded. */
-static double load_misfit(const struct packing *packing)
+double network_load_misfit(const struct packing *packing)
 {
     const struct walls *walls = &packing->walls;
     const struct grains *grains = &packing->grains;
@@ -422,7 +422,7 @@ static int fill(const struct packing *packing, const struct contact_law *law, co
     free(live);
     network->force = force_unit(packing, law, network);
     network->virial /= network->force * network->radius;
-    network->misfit = load_misfit(packing);
+    network->misfit = network_load_misfit(packing);
     fill_loads(packing, network);
     fill_masses(packing, options->wall_mass, network);
     return 0;

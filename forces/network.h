@@ -45,6 +45,9 @@ struct network_options {
 /* Refuses a packing that nothing holds, numbers that are not finite, and a law without mu. */
 int network_build(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
                   struct network *network);
+/* The sum of all wall and grain loads over the largest wall load, when every wall is loaded; else NaN. Left and bottom
+ * are then reactions, which take up this misfit. */
+double network_load_misfit(const struct packing *packing);
 void network_free(struct network *network); /* accepts a zeroed struct */
 
 /* out = b + A f: what is out of balance; f holds (fn, ft) of each contact. */
