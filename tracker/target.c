@@ -28,9 +28,15 @@ int target_keep(struct target *target, const struct photo *reference, uint16_t s
 {
     if (target->kept || !target->given)
         return 0;
-    struct subset_mask mask = {.saturation = saturation};
+    struct subset_mask mask = {
+        .saturation = saturation, .neighbours = target->neighbours, .neighbour_count = target->neighbour_count};
     if (subset_build(reference, &target->shape, &mask, &target->subset))
         return -1;
+    if (target->neighbour_count && target->subset.used < 0.5) { /* a circle on top of this one: which is wrong? */
+        subset_free(&target->subset);
+        target->neighbour_count = 0;
+        return target_keep(target, reference, saturation);
+    }
     target->kept = 1;
     return 0;
 }
@@ -55,8 +61,13 @@ static int fit_from(const struct target *target, const struct target_photos *pho
     if (icgn_inside(&target->shape, &start, photos->photo))
         return icgn_fit(&target->subset, photos->photo, start, &options, patch, &found->fit);
 
-    struct subset_mask mask = {
-        .saturation = photos->saturation, .photo = photos->photo, .u = start.u, .v = start.v, .angle = start.angle};
+    struct subset_mask mask = {.neighbours = target->neighbours,
+                               .neighbour_count = target->neighbour_count,
+                               .saturation = photos->saturation,
+                               .photo = photos->photo,
+                               .u = start.u,
+                               .v = start.v,
+                               .angle = start.angle};
     struct subset part;
     int status = subset_build(photos->reference, &target->shape, &mask, &part);
     found->masked = 1;

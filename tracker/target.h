@@ -8,11 +8,15 @@
 #include "tracker/icgn.h"
 #include "tracker/search.h"
 
+enum { TARGET_NEIGHBOURS = 8 };
+
 struct target {
-    struct shape shape;   /* in the reference, as seen */
-    int given;            /* 0: its circle is not finite */
-    int kept;             /* is `subset` built? */
-    struct subset subset; /* of the whole shape */
+    struct shape shape;                         /* in the reference, as seen */
+    int given;                                  /* 0: its circle is not finite */
+    int kept;                                   /* is `subset` built? */
+    struct subset subset;                       /* of the whole shape */
+    struct shape neighbours[TARGET_NEIGHBOURS]; /* rims of other grains that reach into the shape */
+    size_t neighbour_count;
 };
 
 struct outcome {

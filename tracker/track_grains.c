@@ -74,6 +74,26 @@ static struct target rect_target(const struct rect *rect)
         .given = w > 0 && h > 0};
 }
 
+/* Rims that reach into a grain's subset, with a margin for the slopes and the point spread: they move with their own
+ * grain. */
+static void find_intruders(struct tracker *tracker)
+{
+    const double margin = 3; /* px */
+    const size_t base = tracker->patch_count;
+    for (size_t k = 0; k < tracker->grains->count; k++) {
+        struct target *target = &tracker->targets[base + k];
+        for (int i = 0; target->given && i < NEIGHBOURS && tracker->nearest[k * NEIGHBOURS + (size_t)i] >= 0; i++) {
+            size_t other = (size_t)tracker->nearest[k * NEIGHBOURS + (size_t)i];
+            struct shape rim = {.cx = tracker->grains->x_px[other],
+                                .cy = tracker->grains->y_px[other],
+                                .radius = tracker->grains->radius_px[other] + margin};
+            double away = hypot(rim.cx - target->shape.cx, rim.cy - target->shape.cy);
+            if (away < rim.radius + target->shape.radius)
+                target->neighbours[target->neighbour_count++] = rim;
+        }
+    }
+}
+
 static int make_targets(struct tracker *tracker)
 {
     const struct tracker_options *options = &tracker->options;
@@ -89,7 +109,10 @@ static int make_targets(struct tracker *tracker)
     for (size_t k = 0; k < tracker->grains->count; k++)
         tracker->targets[tracker->patch_count + k] = grain_target(tracker->grains, k, options->subset);
     tracker->nearest = neighbours_find(tracker->targets + tracker->patch_count, tracker->grains->count);
-    return tracker->nearest ? 0 : -1;
+    if (!tracker->nearest)
+        return -1;
+    find_intruders(tracker);
+    return 0;
 }
 
 struct tracker *tracker_open(const struct photo *reference, const struct photo_grains *grains,

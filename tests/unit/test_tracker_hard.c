@@ -153,6 +153,30 @@ static void test_tiny_subsets(void **state)
     packing_free(&packing);
 }
 
+/* Subsets larger than the grains: what they hold of their neighbours is left out, and said. */
+static void test_neighbours_in_the_subset(void **state)
+{
+    (void)state;
+    struct packing packing;
+    struct tracker_options options = TRACKER_DEFAULT;
+    struct tracks tracks = {0};
+    options.subset = 1.3;
+    packing_make(&packing, 34);
+    struct photo_grains grains = packing_grains(&packing);
+    struct photo reference = packing_photo(&packing, 0.01, 1);
+    packing_move(&packing, 0.2, 0.4, 0.9, 2 * degree, 35);
+    struct photo photo = packing_photo(&packing, 0.01, 2);
+    check_done(track_grains(&reference, &grains, &photo, NULL, &options, &tracks));
+    for (int k = 0; k < COUNT; k++)
+        assert_true(tracks.grains.flags[k] & GRAIN_MASKED);
+    assert_int_equal(right_or_flagged(&tracks.grains, &packing), 0);
+    tracks_free(&tracks);
+    table_free(&PHOTO_GRAINS, &grains);
+    free(reference.pixels);
+    free(photo.pixels);
+    packing_free(&packing);
+}
+
 /* Any photo alone is the same as in its series, in any order: to 1e-3 px, with the same distrust. */
 static void test_alone_or_in_series(void **state)
 {
@@ -201,10 +225,10 @@ static void test_alone_or_in_series(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quarter_and_half_turns), cmocka_unit_test(test_light_and_contrast),
-        cmocka_unit_test(test_repeated_faces),         cmocka_unit_test(test_under_the_frame),
-        cmocka_unit_test(test_saturated_specks),       cmocka_unit_test(test_tiny_subsets),
-        cmocka_unit_test(test_alone_or_in_series),
+        cmocka_unit_test(test_quarter_and_half_turns),   cmocka_unit_test(test_light_and_contrast),
+        cmocka_unit_test(test_repeated_faces),           cmocka_unit_test(test_under_the_frame),
+        cmocka_unit_test(test_saturated_specks),         cmocka_unit_test(test_tiny_subsets),
+        cmocka_unit_test(test_neighbours_in_the_subset), cmocka_unit_test(test_alone_or_in_series),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
