@@ -115,12 +115,22 @@ static const struct ray_edge *supporter(const struct rays *rays, int ray, const 
     return best;
 }
 
+/* The largest fall within the tolerance on each ray; this is asked for every trial, so without roots. */
 static double support_of(const struct rays *rays, const struct rim *rim)
 {
-    double support = 0;
+    double support = 0, low = rim->radius - TOLERANCE, high = rim->radius + TOLERANCE;
+    low *= fmax(0, low);
+    high *= high;
     for (int k = 0; k < rays->usable_count; k++) {
-        const struct ray_edge *edge = supporter(rays, rays->usable[k], rim, TOLERANCE);
-        support += edge ? edge->fall : 0;
+        int ray = rays->usable[k];
+        double fall = 0;
+        for (int e = 0; e < rays->count[ray]; e++) {
+            const struct ray_edge *edge = &rays->edges[ray][e];
+            double dx = edge->x - rim->x, dy = edge->y - rim->y, square = dx * dx + dy * dy;
+            if (square > low && square < high && edge->fall > fall)
+                fall = edge->fall;
+        }
+        support += fall;
     }
     return support / RAYS;
 }

@@ -11,6 +11,7 @@
 #define VOTE_RADIUS 7.0 /* level pixels of an octave's smallest radius while voting */
 #define FINEST 6.0      /* level pixels of the smallest radius when the photo has to be magnified */
 #define MARGIN 1.06     /* radii this much outside the range are looked for as well */
+#define SAME_PLACE 0.08 /* of R_i + R_j: peaks of the votes nearer than this lead to the same capture */
 #define LEAST_SUPPORT 0.30
 #define LEAST_GREY 0.2 /* of the contrast: a grain is at least that much brighter than the voids */
 #define MOST_ONE_SIDED 0.72
@@ -78,6 +79,7 @@ static int detect_octave(const struct photo *photo, const struct zone *zone, con
         status = candidates_vote(&octave.coarse, low / MARGIN / octave.coarse.scale,
                                  high * MARGIN / octave.coarse.scale, contrast, &peaks);
     if (!status) {
+        candidates_thin(&peaks, SAME_PLACE);
         *looked_at += peaks.count;
         capture_peaks(&octave, levels, low, high, &peaks);
     }

@@ -80,7 +80,7 @@ static double neighbour_profile(const struct annulus *ring, double x, double y, 
         double r = sqrt(square), rho = r > 0 ? r - rim_radius_at(other, dx / r, dy / r) : -other->radius;
         rho += s * s / (2 * other->radius);
         sum += profile_at(rho / s).step;
-        *depth = fmax(*depth, -rho);
+        *depth = -rho > *depth ? -rho : *depth;
     }
     return sum;
 }
@@ -129,8 +129,8 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
     double other = sums[CROWDED] > 0 ? neighbour_profile(ring, x, y, &depth) : 0;
     /* The gap between the rims along this pixel's ray is about the distance outside the other less that outside ours.
      */
-    if (rho > -s)
-        sums[NEAREST] = fmin(sums[NEAREST], -depth + rho);
+    if (rho > -s && rho - depth < sums[NEAREST])
+        sums[NEAREST] = rho - depth;
     if (depth > INSIDE_OTHER * s)
         return;
     if (ring->near_frame) {

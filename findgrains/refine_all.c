@@ -11,7 +11,8 @@ enum { NEIGHBOURS = 64, LAGS = 8 };
 /* 95 % efficient for normal errors; narrower where specks make outliers. */
 #define TUKEY_PLAIN 4.685
 #define TUKEY_TEXTURED 3.5
-#define CLEARLY 0.93   /* more texture has to pay by this factor: it costs some bias */
+#define CLEARLY 0.93 /* more texture has to pay by this factor: it costs some bias */
+#define PATIENCE 4
 #define LEAST_BLUR 0.5 /* px: a sharper photo is undersampled, and steps of the fit would overshoot */
 #define MOST_BLUR 8.0
 
@@ -157,6 +158,8 @@ int rims_iterate(const struct photo *photo, const struct zone *zone, const struc
         rims->items[rows.list ? rows.list[at] : at].moved = INFINITY;
     for (int k = 0; k < most; k++) {
         size_t moving = 0;
+        if (k >= PATIENCE) /* what still swings is calmed */
+            settings.damping = 0.5;
         if (iterate_and_accept(photo, zone, &settings, state->ellipse, 0, rims, rows))
             return -1;
         for (size_t at = 0; at < rows.count; at++)
