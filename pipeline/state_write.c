@@ -322,6 +322,14 @@ static int write_provenance(struct state_writer *writer, const struct provenance
 
 /* ---- the file ---- */
 
+/* After a close that fails on a full disk, HDF5 1.10.8 closes the same file again when the process ends, and crashes on
+ * what it has freed: the exit status would be lost. Its exit handler has nothing to do, since every file is closed
+ * here; it must be declined before the first call of HDF5. */
+__attribute__((constructor)) static void decline_exit_handler(void)
+{
+    H5dont_atexit();
+}
+
 static hid_t create_hdf(const char *path)
 {
     hid_t creation = without_times(H5P_FILE_CREATE), access = H5Pcreate(H5P_FILE_ACCESS), hdf = -1;
