@@ -200,11 +200,13 @@ static int beside_lammps(struct dem *dem, double dt, long steps)
 {
     char folder[] = "lammps_XXXXXX", command[100];
     double kinetic = NAN, none;
-    if (!mkdtemp(folder) || lammps_write(dem, dt, steps, folder))
+    char *whole = mkdtemp(folder) ? realpath(folder, NULL) : NULL;
+    if (!whole)
+        return error_failed("%s: cannot be made: run in a folder that can be written", folder);
+    if (lammps_write(dem, dt, steps, whole)) {
+        free(whole);
         return -1;
-    char *whole = realpath(folder, NULL);
-    if (!whole || lammps_write(dem, dt, steps, whole))
-        return -1;
+    }
     double setup = lammps_run(whole, 0, &none), all = lammps_run(whole, steps, &kinetic);
     if (isfinite(all))
         printf("%8s LAMMPS gran/hooke/history:        %6.1f ns CPU per disc and step, kinetic energy %.6g J\n", "",
