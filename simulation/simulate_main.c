@@ -7,8 +7,8 @@
 #include "simulation/simulate_scene.h"
 
 static const char doc[] =
-    "Simulate a loading test on a packing of rods seen from their end: discs with linear springs, dashpots and Coulomb "
-    "friction are compressed between four walls, relaxed to static equilibrium, and strained step by step. Each saved "
+    "Simulate a loading test on a packing of rods seen from their end: discs with springs, dashpots and Coulomb "
+    "friction are compressed between four walls, relaxed to static equilibrium, and loaded step by step. Each saved "
     "state goes into OUT/N.truth.hdf: grains, walls, contacts and the exact contact forces (/forces/dem); the loads "
     "of the walls go into OUT/loads.csv, stresses, fabric and energies into OUT/states.csv."
     "\vThe scene says what to simulate:\n"
