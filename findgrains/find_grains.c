@@ -130,6 +130,9 @@ int find_known_grains(const struct photo *photo, const struct find_options *opti
     notes = notes ? notes : &own;
     if (look_at(photo, options, notes))
         return -1;
+    /* The frame may have moved since the scene was written: known grains need it no more. */
+    if (zone_make(photo->width, photo->height, NULL, 0, &notes->zone))
+        return -1;
     const double *x = known->x_seen_px ? known->x_seen_px : known->x_px;
     const double *y = known->y_seen_px ? known->y_seen_px : known->y_px;
     for (size_t k = 0; k < known->count && !status; k++) {
