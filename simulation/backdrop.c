@@ -67,7 +67,7 @@ TILE_LOOP static void lay(struct tile *tile, struct window w, const struct outli
 /* A steel disc: its middle on the corner of the frame, convex towards the specimen. */
 static void paint_hinge(const struct picture *picture, const struct optics *optics, struct tile *tile, int hinge)
 {
-    const struct disc *disc = &picture->hinges[hinge];
+    const struct drawn_disc *disc = &picture->hinges[hinge];
     struct window w = tile_window(tile, disc->x, disc->y, disc->radius);
     speckle_surface(tile, w, &optics->hinge, optics->hinge.level, pose_of(disc->x, disc->y, 0),
                     body_key(optics, BODY_HINGE, (size_t)hinge));

@@ -71,7 +71,7 @@ static int check_discs(const struct simulation *simulation)
 {
     for (size_t a = 0; a < simulation->disc_count; a++)
         for (size_t b = a + 1; b < simulation->disc_count; b++) {
-            const struct disc *p = &simulation->discs[a], *q = &simulation->discs[b];
+            const struct placed_disc *p = &simulation->discs[a], *q = &simulation->discs[b];
             double overlap = p->radius + q->radius - hypot(p->x - q->x, p->y - q->y);
             if (p->fixed && q->fixed && overlap > 0)
                 return error_input("simulation: the fixed discs %zu and %zu overlap by %g m: move them apart", a, b,
@@ -87,7 +87,7 @@ static int placement_by_hand(const struct simulation *simulation, struct dem *de
     if (check_discs(simulation) || dem_alloc(dem, simulation->disc_count))
         return -1;
     for (size_t k = 0; k < dem->count; k++) {
-        const struct disc *disc = &simulation->discs[k];
+        const struct placed_disc *disc = &simulation->discs[k];
         struct dem_grain *grain = &dem->grains[k];
         grain_give(grain, disc->radius, simulation);
         grain->x = disc->x, grain->y = disc->y;

@@ -13,7 +13,7 @@
 #include "simulation/camera.h"
 #include "simulation/optics.h"
 
-struct disc {
+struct drawn_disc {
     double x, y, radius; /* px */
 };
 
@@ -35,7 +35,7 @@ struct picture {
                                           painted the same way, wherever it goes */
     int framed;                        /* is there a steel frame around the specimen? */
     struct vec corners[4];             /* where its inner lines meet, in the order of enum CORNER_* */
-    struct disc hinges[4];             /* convex discs of the frame */
+    struct drawn_disc hinges[4];       /* convex discs of the frame */
     int hinge_count;
     const struct plate *plates;
     size_t plate_count;

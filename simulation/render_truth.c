@@ -74,7 +74,7 @@ static void set_frame(const struct packing *packing, const struct scene *scene, 
     for (size_t w = 0; w < walls->count && picture->hinge_count < 4; w++)
         if (wall_is_disc(walls, w)) {
             struct vec px = scene_pixels(scene, vec(walls->x0[w], walls->y0[w]));
-            picture->hinges[picture->hinge_count++] = (struct disc){px.x, px.y, walls->radius[w] / scene->scale};
+            picture->hinges[picture->hinge_count++] = (struct drawn_disc){px.x, px.y, walls->radius[w] / scene->scale};
         }
 }
 

@@ -24,7 +24,7 @@ struct grade {
 };
 
 /* One disc, placed by hand. */
-struct disc {
+struct placed_disc {
     double x, y, radius;   /* m */
     double load_x, load_y; /* N */
     int fixed;
@@ -52,8 +52,8 @@ struct simulation {
     uint64_t seed;
     const struct grade *grading;
     size_t grade_count;
-    double aspect;            /* width over height of the empty box */
-    const struct disc *discs; /* instead of a grading */
+    double aspect;                   /* width over height of the empty box */
+    const struct placed_disc *discs; /* instead of a grading */
     size_t disc_count;
     double box[2];   /* m: of the box around the discs; NaN: no walls */
     double kappa;    /* kn / p; p the stress in the plane, N/m; NaN: see pressure */

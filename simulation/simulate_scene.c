@@ -59,7 +59,7 @@ static int read_grading(const struct scene *scene, const cJSON *section, struct 
 }
 
 /* One disc: {"x_m": 0, "y_m": 0, "radius_m": 0.01, "fixed": true, "load_N": [0, -10]}. */
-static int read_disc(const struct json *json, const cJSON *item, struct disc *disc)
+static int read_disc(const struct json *json, const cJSON *item, struct placed_disc *disc)
 {
     static const char *const keys[] = {"x_m", "y_m", "radius_m", "fixed", "load_N", NULL};
     double load[2] = {0};

@@ -9,7 +9,7 @@
 struct simulation_plan {
     struct simulation simulation;
     struct grade *grading;
-    struct disc *discs;
+    struct placed_disc *discs;
     struct loading_steps *steps;
 };
 

@@ -289,7 +289,7 @@ static void three_discs(void **state)
 {
     (void)state;
     double half = 0.01 / sqrt(2.0);
-    struct disc discs[] = {{-half, 0, 0.005, 0, 0, 1}, {half, 0, 0.005, 0, 0, 1}, {0, half, 0.005, 0, -1530, 0}};
+    struct placed_disc discs[] = {{-half, 0, 0.005, 0, 0, 1}, {half, 0, 0.005, 0, 0, 1}, {0, half, 0.005, 0, -1530, 0}};
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.discs = discs;
     simulation.disc_count = 3;
@@ -305,7 +305,8 @@ static void three_discs(void **state)
 static void a_column_under_gravity(void **state)
 {
     (void)state;
-    struct disc discs[] = {{0.05, 0.01, 0.01, 0, 0, 0}, {0.05, 0.0299, 0.01, 0, 0, 0}, {0.05, 0.0501, 0.01, 0, 0, 0}};
+    struct placed_disc discs[] = {
+        {0.05, 0.01, 0.01, 0, 0, 0}, {0.05, 0.0299, 0.01, 0, 0, 0}, {0.05, 0.0501, 0.01, 0, 0, 0}};
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.discs = discs;
     simulation.disc_count = 3;
@@ -324,7 +325,7 @@ static void a_column_under_gravity(void **state)
 static void misplaced_discs_are_refused(void **state)
 {
     (void)state;
-    struct disc discs[] = {{0, 0, 0.01, 0, 0, 1}, {0.0199, 0, 0.01, 0, 0, 1}};
+    struct placed_disc discs[] = {{0, 0, 0.01, 0, 0, 1}, {0.0199, 0, 0.01, 0, 0, 1}};
     struct simulation simulation = SIMULATION_DEFAULT;
     struct records records = {0};
     simulation.discs = discs;
