@@ -6,17 +6,26 @@
 
 #include "pipeline/columns.h"
 
+/* A number, or a few, of the state as a whole: an attribute of the group /state; the name ends with the unit. */
+struct state_number {
+    const char *name;
+    const double *values; /* NaN: not known */
+    size_t count;
+};
+
 /* Where the numbers of a file come from. All strings are borrowed by state_create(). */
 struct provenance {
     const char *stage;              /* "findgrains" ... */
     const char *parameters;         /* JSON text of what changes numbers; no threads, no paths */
     const char *const *input_paths; /* files read; base name and SHA-256 go into the file */
     size_t input_count;
-    int64_t index;           /* of the photo in its series; -1: not known */
-    double time_s;           /* since the first photo; NaN: not known */
-    const char *coordinates; /* photo side: "seen" or "corrected"; SI side: "si" */
-    double strain[3];        /* exx, eyy, gamma from the walls since the reference; NaN: not known */
-    double length_m;         /* of the rods; NaN: not known. Attribute length_m of the root */
+    int64_t index;                      /* of the photo in its series; -1: not known */
+    double time_s;                      /* since the first photo; NaN: not known */
+    const char *coordinates;            /* photo side: "seen" or "corrected"; SI side: "si" */
+    double strain[3];                   /* exx, eyy, gamma from the walls since the reference; NaN: not known */
+    double length_m;                    /* of the rods; NaN: not known. Attribute length_m of the root */
+    const struct state_number *numbers; /* /state; none: no such group */
+    size_t number_count;
 };
 #define PROVENANCE_DEFAULT                                                                                             \
     {                                                                                                                  \

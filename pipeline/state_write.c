@@ -316,6 +316,10 @@ static int write_provenance(struct state_writer *writer, const struct provenance
         failed = state_write_numbers(writer, "/", "strain", strain, 3);
     if (!failed && !isnan(provenance->length_m))
         failed = state_write_numbers(writer, "/", "length_m", &provenance->length_m, 1);
+    for (size_t k = 0; k < provenance->number_count && !failed; k++) {
+        const struct state_number *number = &provenance->numbers[k];
+        failed = state_write_numbers(writer, "state", number->name, number->values, number->count);
+    }
     free(inputs);
     return failed ? -1 : 0;
 }

@@ -87,6 +87,36 @@ static void summary_row(FILE *stream, const struct simulation_state *s)
     fprintf(stream, ",%d,%ld\n", s->relaxed, s->steps);
 }
 
+/* The whole file, with the state in a few numbers as attributes of /state. */
+static int state_file(const char *path, const struct packing *packing, const struct simulation_state *s,
+                      struct provenance *provenance)
+{
+    const double rest = s->relaxed;
+    const struct state_number numbers[] = {
+        {"pressure_N_per_m", &s->pressure, 1},
+        {"weber_stress_N_per_m", &s->stress[0][0], 4},
+        {"wall_stress_N_per_m", &s->applied[0][0], 4},
+        {"kappa", &s->kappa, 1},
+        {"solid_fraction", &s->solid, 1},
+        {"z", &s->z, 1},
+        {"h", &s->indeterminacy, 1},
+        {"rattlers", &s->rattlers, 1},
+        {"sliding", &s->sliding, 1},
+        {"inertial_number", &s->inertial, 1},
+        {"stored_J", &s->stored, 1},
+        {"lost_J", &s->lost, 1},
+        {"work_J", &s->work, 1},
+        {"unbalanced", &s->unbalanced, 1},
+        {"static", &rest, 1},
+    };
+    provenance->numbers = numbers;
+    provenance->number_count = sizeof numbers / sizeof *numbers;
+    int status = packing_write(path, packing, provenance);
+    provenance->numbers = NULL;
+    provenance->number_count = 0;
+    return status;
+}
+
 int series_folder_save(const struct packing *packing, const struct simulation_state *state, void *user)
 {
     struct series_folder *folder = user;
@@ -104,7 +134,7 @@ int series_folder_save(const struct packing *packing, const struct simulation_st
     provenance.coordinates = "si";
     memcpy(provenance.strain, state->strain, sizeof provenance.strain);
     provenance.length_m = packing->length_m;
-    int status = packing_write(path, packing, &provenance);
+    int status = state_file(path, packing, state, &provenance);
     free(path);
     if (status)
         return -1;
