@@ -135,15 +135,27 @@ int canvas_take(struct canvas *canvas, unsigned char **data, size_t *length)
     return error_failed("a picture cannot be made: %s", cairo_status_to_string(status));
 }
 
-void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text)
+/* Choose the font; the width that the text takes in it. */
+static double text_width(cairo_t *cairo, double size, int bold, const char *text)
 {
     cairo_text_extents_t extents;
     cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                            bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, size);
     cairo_text_extents(cairo, text, &extents);
-    cairo_move_to(cairo, x - align * extents.x_advance, y);
+    return extents.x_advance;
+}
+
+void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text)
+{
+    cairo_move_to(cairo, x - align * text_width(cairo, size, bold, text), y);
     cairo_show_text(cairo, text);
+}
+
+void canvas_text_within(cairo_t *cairo, double x, double y, double width, double size, int bold, const char *text)
+{
+    double wide = text_width(cairo, size, bold, text);
+    canvas_text(cairo, x, y, 0, wide > width ? size * width / wide : size, bold, text);
 }
 
 void canvas_forget_fonts(void)

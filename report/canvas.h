@@ -47,6 +47,8 @@ void canvas_forget_fonts(void);
 
 /* Text with its baseline's left end, middle or right end (align 0, 0.5, 1) at (x, y). */
 void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text);
+/* The same from the left, in a smaller size where the text would be wider than `width`. */
+void canvas_text_within(cairo_t *cairo, double x, double y, double width, double size, int bold, const char *text);
 /* The largest of 1, 2, 5 times a power of ten that is not above the value. */
 double canvas_round_number(double value);
 

@@ -8,15 +8,17 @@
 
 static void legend_title(const struct map *map, cairo_t *cairo, double x, double y, double u)
 {
+    const double width = (map->forces ? 340 : 575) * u;
     char text[200], force[64] = "";
     const struct state_info *info = &map->packing->info;
     struct fabric fabric;
     cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text(cairo, x, y + 22 * u, 0, 19 * u, 1, map->title ? map->title : "");
+    canvas_text_within(cairo, x, y + 22 * u, width, 19 * u, 1, map->title ? map->title : "");
     packing_fabric(map->packing, &fabric);
-    snprintf(text, sizeof text, "%zu grains, %zu rattlers, %zu contacts, z = %.2f", map->packing->grains.count,
-             fabric.rattlers, fabric.contacts, fabric.z);
-    canvas_text(cairo, x, y + 46 * u, 0, 15 * u, 0, text);
+    snprintf(text, sizeof text, "%zu grains, %zu rattlers", map->packing->grains.count, fabric.rattlers);
+    canvas_text_within(cairo, x, y + 46 * u, width, 15 * u, 0, text);
+    snprintf(text, sizeof text, "%zu contacts, z = %.2f", fabric.contacts, fabric.z);
+    canvas_text_within(cairo, x, y + 68 * u, width, 15 * u, 0, text);
     if (map->forces)
         snprintf(force, sizeof force, "   %.15s from %.15s", map->forces->method,
                  map->forces->start[0] ? map->forces->start : "?");
@@ -26,7 +28,7 @@ static void legend_title(const struct map *map, cairo_t *cairo, double x, double
         snprintf(text, sizeof text, "state %lld%s", (long long)info->index, force);
     else
         snprintf(text, sizeof text, "%s", force);
-    canvas_text(cairo, x, y + 68 * u, 0, 15 * u, 0, text);
+    canvas_text_within(cairo, x, y + 90 * u, width, 15 * u, 0, text);
 }
 
 static void legend_widths(const struct map *map, cairo_t *cairo, double x, double y, double u)

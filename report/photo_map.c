@@ -143,10 +143,10 @@ static void draw_legend(const struct photo_map *map, cairo_t *cairo)
     cairo_rectangle(cairo, 0, y, map->width, map->height - y);
     cairo_fill(cairo);
     cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text(cairo, 25 * u, y + 32 * u, 0, 19 * u, 1, map->title ? map->title : "");
+    canvas_text_within(cairo, 25 * u, y + 32 * u, 575 * u, 19 * u, 1, map->title ? map->title : "");
     snprintf(text, sizeof text, "%zu grains; %zu flagged: do not trust (purple); %zu without a place",
              map->grains->count, flagged, lost);
-    canvas_text(cairo, 25 * u, y + 58 * u, 0, 15 * u, 0, text);
+    canvas_text_within(cairo, 25 * u, y + 58 * u, 575 * u, 15 * u, 0, text);
     if (map->arrows > 0) {
         double length = canvas_round_number(90 * u / (map->arrows * map->scale));
         cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
