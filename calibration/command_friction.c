@@ -18,7 +18,7 @@ static const char documentation[] =
     "fixed rods and carries weights P1 and P2 at equal arms L; P2 grows until C turns and slides; alpha is the angle "
     "between the vertical and the lines of centres.\v"
     "Each test is one argument P1,P2,L,R,ALPHA: two weights in N, two lengths in m, an angle in degrees.\n\n"
-    "Example: calibration friction 3.0,9.4,0.05,0.02,45 3.0,9.1,0.05,0.02,45 -o friction.json\n\n"
+    "Example: calibration friction 3.0,7.4,0.03,0.02,45 3.0,7.2,0.03,0.02,45 -o friction.json\n\n"
     "The result holds mu (for the scene's contact.mu), its standard error, and the angle phi.";
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)

@@ -1,3 +1,4 @@
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -5,14 +6,14 @@
 #include "pipeline/error.h"
 
 static const struct command {
-    const char *name;
+    const char *name, *full_name;
     int (*run)(int argc, char **argv);
     const char *what;
 } commands[] = {
-    {"lens", command_lens, "distortion of the lens from photos of a moved plate"},
-    {"scale", command_scale, "metres per pixel from known lengths"},
-    {"friction", command_friction, "friction between grains from three-rod tests"},
-    {"hertz", command_hertz, "grain moduli from packing moduli, closed form"},
+    {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
+    {"scale", "calibration scale", command_scale, "metres per pixel from known lengths"},
+    {"friction", "calibration friction", command_friction, "friction between grains from three-rod tests"},
+    {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli, closed form"},
 };
 
 static void print_help(FILE *out)
@@ -36,9 +37,11 @@ int main(int argc, char **argv)
         return EXIT_DONE;
     }
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
-        if (!strcmp(argv[1], commands[k].name))
+        if (!strcmp(argv[1], commands[k].name)) {
+            program_invocation_short_name = (char *)commands[k].full_name;
             return commands[k].run(argc - 1, argv + 1);
-    fprintf(stderr, "calibration: %s: 'calibration --help' lists the commands\n",
-            argc > 1 ? "there is no such command" : "which command?");
+        }
+    fprintf(stderr, "calibration: %s 'calibration --help' lists the commands\n",
+            argc > 1 ? "there is no such command:" : "which command?");
     return EXIT_USAGE;
 }

@@ -58,7 +58,9 @@ static int read_list(const char *path, int columns, const char *format, struct c
         else
             status = add(corrections, (struct correction){values[0], values[1], values[2]});
     }
-    if (!status && ferror(file))
+    if (!status && ferror(file) && errno == EISDIR)
+        status = error_input("%s: is a folder: give a file with one grain per line", path);
+    else if (!status && ferror(file))
         status = error_failed("%s: cannot be read: check the disk", path);
     fclose(file);
     return status;

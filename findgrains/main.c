@@ -107,11 +107,10 @@ static int find(const struct arguments *arguments, const struct photo *photo, co
                 struct photo_grains *grains, struct find_notes *notes)
 {
     struct photo_grains known = {0};
-    int status;
-    if (!arguments->refine)
-        status = find_grains(photo, options, grains, notes);
-    else if (!(status = read_known(arguments->refine, &known)))
-        status = find_known_grains(photo, options, &known, grains, notes);
+    if (arguments->refine && read_known(arguments->refine, &known))
+        return -1;
+    int status = arguments->refine ? find_known_grains(photo, options, &known, grains, notes)
+                                   : find_grains(photo, options, grains, notes);
     table_free(&PHOTO_GRAINS, &known);
     return status ? error_context("%s", arguments->photo) : 0;
 }

@@ -32,6 +32,16 @@ static void tell(const struct forces *forces)
               NULL);
 }
 
+/* Another state is read for its forces. */
+static int read_state_with_forces(const char *path, struct packing *packing)
+{
+    if (!path)
+        return 0;
+    if (packing_read(path, packing))
+        return -1;
+    return packing->force_count ? 0 : error_input("%s: has no forces: give a file written by forces or simulate", path);
+}
+
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
@@ -90,10 +100,9 @@ int add_forces(const struct force_request *request, size_t *unbalanced, size_t *
     options.previous = request->previous ? &previous : NULL;
     options.from = request->from ? &from : NULL;
     *unbalanced = 0;
-    int status = packing_read(request->input, &packing) ||
-                 (request->previous && packing_read(request->previous, &previous)) ||
-                 (request->from && packing_read(request->from, &from)) ||
-                 infer_all(request, &options, &packing, unbalanced) || write_forces(request, &options, &packing);
+    int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
+                 read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, unbalanced) ||
+                 write_forces(request, &options, &packing);
     *grains = packing.grains.count;
     packing_free(&packing);
     packing_free(&previous);

@@ -120,13 +120,13 @@ int main(int argc, char **argv)
         option_list,
         parse_option,
         "N.contacts.hdf",
-        "Contact forces of a packing in equilibrium\v"
+        "Contact forces of a packing in equilibrium, from its overlaps, motions and loads.\v"
         "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains. qsm: projections "
         "onto "
         "equilibrium and friction. map: the most likely admissible forces; the one to use. Several methods stand side "
         "by "
         "side in one file. Docs: docs/forces.md.\n\n"
-        "  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf",
+        "Example:\n  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf",
         children,
         NULL,
         NULL};

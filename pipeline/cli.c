@@ -114,9 +114,7 @@ void cli_parse(const struct argp *argp, int argc, char **argv, void *input)
 double cli_number(const struct argp_state *state, const char *option, const char *text, double min, double max)
 {
     double value = min;
-    if (number_parse(text, &value))
-        argp_error(state, "%s %s: give a number, for example 0.5 or 2e-3", option, text);
-    else if (!(value >= min && value <= max))
+    if (number_parse(text, &value) || !(value >= min && value <= max))
         argp_error(state, "%s %s: give a number from %g to %g", option, text, min, max);
     return value;
 }

@@ -10,6 +10,9 @@
 
 enum command { CHECK, PHOTOS, SERIES, PART };
 static const char *const commands[] = {"check", "photos", "series", "part", NULL};
+/* Whose part: the stages, and the sections of simulate and render. */
+static const char *const stages[] = {"findgrains", "tracker",    "contacts", "forces",
+                                     "report",     "simulation", "optics",   NULL};
 
 struct arguments {
     struct cli cli;
@@ -24,7 +27,8 @@ static const char help[] =
     "photos: index and path of every photo, one per line, separated by a tabulator.\n"
     "series: first, last and reference photo, photos per block, lens and loads: key and value, separated by a "
     "tabulator.\n"
-    "part: the part of the scene that a stage's numbers depend on, as JSON.\n\n"
+    "part: the part of the scene that a stage's numbers depend on, as JSON; STAGE: findgrains, tracker, contacts, "
+    "forces, report, simulation or optics.\n\n"
     "Example:\n  scene check my-test/scene.json";
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -40,7 +44,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         else if (state->arg_num == 1)
             arguments->scene = text;
         else if (state->arg_num == 2 && arguments->command == PART)
-            arguments->stage = text;
+            arguments->stage = stages[cli_choice(state, "stage", text, stages)];
         else
             argp_error(state, "%s: one word too many", text);
         return 0;

@@ -2,8 +2,10 @@
  * type, rank and length are checked before memory is allocated for it, and a dataset whose bytes were never all
  * written (a full disk) is refused, because HDF5 would fill the holes with zeros in silence. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "pipeline/error.h"
@@ -53,13 +55,23 @@ static int find_group(const struct state *state, const char *path, hid_t *group)
     return found;
 }
 
+/* Something that a reader needs is not there: say which program wrote the file. */
+static int lacks(const struct state *state, const char *kind, const char *group, const char *name)
+{
+    char stage[32] = "";
+    if (state_read_text(state, "/", "stage", stage, sizeof stage) || !stage[0])
+        return error_input("%s: has no %s /%s%s: give a file of the right stage", state->path, kind, group, name);
+    return error_input("%s: has no %s /%s%s, it was written by %s: give a file of the right stage", state->path, kind,
+                       group, name, stage);
+}
+
 /* find_group() where the group must be there. */
 static hid_t open_group(const struct state *state, const char *path)
 {
     hid_t group = -1;
     int found = find_group(state, path, &group);
     if (found == 0)
-        return error_input("%s: has no group '/%s': give a file of the right stage", state->path, path);
+        return lacks(state, "group", path, "");
     return found == 1 ? group : -1;
 }
 
@@ -300,9 +312,11 @@ int state_read(const struct state *state, const char *group, const struct table_
         int found = read_column(state, place, group, column, first, &rows, table_array(column, table));
         if (found < 0)
             result = -1;
-        else if (found == 0 && is_required(required, column->name))
-            result = error_input("%s: has no column /%s/%s: give a file of the right stage", state->path, group,
-                                 column->name);
+        else if (found == 0 && is_required(required, column->name)) {
+            char name[80];
+            snprintf(name, sizeof name, "/%.70s", column->name);
+            result = lacks(state, "column", group, name);
+        }
         if (found == 1)
             first = 0;
     }
@@ -460,8 +474,11 @@ static int check_schema(const struct state *state)
 
 static hid_t open_hdf(const char *path)
 {
-    if (access(path, R_OK))
+    struct stat status;
+    if (access(path, R_OK) || stat(path, &status))
         return error_input("%s: cannot be opened: check the path", path);
+    if (!S_ISREG(status.st_mode))
+        return error_input("%s: is not a file: name a state file (.hdf)", path);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     H5PLset_loading_state(0); /* no foreign code for foreign filters */
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), hdf = -1;
@@ -470,7 +487,7 @@ static hid_t open_hdf(const char *path)
     if (access >= 0)
         H5Pclose(access);
     if (hdf < 0)
-        (void)error_input("%s: is not a readable HDF5 file: make it again", path);
+        (void)error_input("%s: is not a whole HDF5 file: name a state file (.hdf), or make it again", path);
     return hdf;
 }
 

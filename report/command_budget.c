@@ -47,7 +47,7 @@ static const char documentation[] =
     "and radii: before anyone goes to the lab. Methods that use equilibrium (qsm, cdm, map) do better than these "
     "numbers, which hold for each contact by itself.\v"
     "Example:\n"
-    "  report budget --scene scene.json --pressure 100e3";
+    "  report budget --scene scene.json --pressure 100e3 --diameter 0.012";
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {

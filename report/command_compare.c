@@ -105,10 +105,12 @@ static int run(const struct options *options)
     else if (result == 0)
         result = compare_photos(options, &a, &b, &figures);
     if (result == 0) {
-        printf("A: %s\nB: %s\n", a.path, b.path);
-        figures_print(&figures, stdout);
         if (options->json)
             result = figures_write_json(&figures, options->json);
+    }
+    if (result == 0) {
+        printf("A: %s\nB: %s\n", a.path, b.path);
+        figures_print(&figures, stdout);
     }
     loaded_free(&a);
     loaded_free(&b);

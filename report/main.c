@@ -10,7 +10,7 @@ static const struct command {
     int (*run)(int argc, char **argv);
     const char *what;
 } commands[] = {
-    {"map", "report map", command_map, "a picture of the contact forces, PNG or SVG"},
+    {"map", "report map", command_map, "a picture of the contact forces, PNG, SVG or PDF"},
     {"compare", "report compare", command_compare, "one state file against another, or against the truth"},
     {"page", "report page", command_page, "one HTML page about a whole series"},
     {"export", "report export", command_export, "state files as CSV, XYZ, LAMMPS dump, ParaView series, CONF, dic_out"},
@@ -41,7 +41,7 @@ int main(int argc, char **argv)
             program_invocation_short_name = (char *)commands[k].full_name;
             return commands[k].run(argc - 1, argv + 1);
         }
-    fprintf(stderr, "report: %s: 'report --help' lists the commands\n",
-            argc > 1 ? "there is no such command" : "which command?");
+    fprintf(stderr, "report: %s 'report --help' lists the commands\n",
+            argc > 1 ? "there is no such command:" : "which command?");
     return EXIT_USAGE;
 }
