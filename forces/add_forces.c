@@ -45,9 +45,9 @@ static int read_state_with_forces(const char *path, struct packing *packing)
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
-    double misfit = network_load_misfit(packing);
-    if (isfinite(misfit)) /* all four walls are loaded: left and bottom react */
-        log_event("loads", "misfit", misfit, NULL);
+    double misfit[2], share = network_load_misfit(packing, misfit);
+    if (isfinite(share)) /* all four walls are loaded: left and bottom react */
+        log_event("loads", "misfit", share, "misfit_x", misfit[0], "misfit_y", misfit[1], NULL);
     for (int k = 0; k < request->methods.count; k++) {
         enum force_method method = request->methods.method[k];
         struct forces inferred, *room;

@@ -143,6 +143,7 @@ static int store(const struct packing *packing, const struct network *network, c
     forces->kn = options->law.kn;
     forces->kt = options->law.kn * options->law.kt_over_kn;
     forces->mu = options->law.mu;
+    memcpy(forces->misfit, network->misfit, sizeof forces->misfit);
     stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
     return 0;
 }

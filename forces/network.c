@@ -43,14 +43,14 @@ static double grain_load(const double *column, size_t k)
     return column ? column[k] : 0;
 }
 
-/* Sum of the loads on all walls and grains over the largest; NaN unless every segment is loaded. */
-double network_load_misfit(const struct packing *packing)
+double network_load_misfit(const struct packing *packing, double misfit[2])
 {
     const struct walls *walls = &packing->walls;
     const struct grains *grains = &packing->grains;
     struct vec sum = {0, 0};
     double largest = 0;
     int segments = 0;
+    misfit[0] = misfit[1] = NAN;
     for (size_t w = 0; w < walls->count; w++) {
         double load = wall_load(walls, w);
         if (wall_is_disc(walls, w))
@@ -65,6 +65,7 @@ double network_load_misfit(const struct packing *packing)
         return NAN;
     for (size_t k = 0; k < grains->count; k++)
         sum = vec_add(sum, vec(grain_load(grains->load_x, k), grain_load(grains->load_y, k)));
+    misfit[0] = sum.x, misfit[1] = sum.y;
     return largest > 0 ? vec_norm(sum) / largest : 0;
 }
 
@@ -422,7 +423,7 @@ static int fill(const struct packing *packing, const struct contact_law *law, co
     free(live);
     network->force = force_unit(packing, law, network);
     network->virial /= network->force * network->radius;
-    network->misfit = network_load_misfit(packing);
+    network_load_misfit(packing, network->misfit);
     fill_loads(packing, network);
     fill_masses(packing, options->wall_mass, network);
     return 0;

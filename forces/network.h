@@ -34,7 +34,7 @@ struct network {
     size_t grains, walls;
     double force, radius; /* N, m: the units */
     double virial;        /* sum of fn times branch length that the loads impose, in units; NaN: reactions unknown */
-    double misfit;        /* sum of all wall and grain loads over the largest, when every wall is loaded; else NaN */
+    double misfit[2];     /* N: sum of all wall and grain loads, x and y, when every wall is loaded; else NaN */
 };
 
 struct network_options {
@@ -45,9 +45,9 @@ struct network_options {
 /* Refuses a packing that nothing holds, numbers that are not finite, and a law without mu. */
 int network_build(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
                   struct network *network);
-/* The sum of all wall and grain loads over the largest wall load, when every wall is loaded; else NaN. Left and bottom
- * are then reactions, which take up this misfit. */
-double network_load_misfit(const struct packing *packing);
+/* The sum of all wall and grain loads in N when every wall is loaded, else NaN. Left and bottom are then reactions,
+ * which take up this misfit. Returns its size over the largest wall load, or NaN. */
+double network_load_misfit(const struct packing *packing, double misfit[2]);
 void network_free(struct network *network); /* accepts a zeroed struct */
 
 /* out = b + A f: what is out of balance; f holds (fn, ft) of each contact. */

@@ -36,6 +36,7 @@ struct forces {
     double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
     double kn, kt;       /* N/m, as used; NaN when not used */
     double mu;
+    double misfit[2]; /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
 };
 
 void forces_free(struct forces *forces); /* accepts a zeroed struct */

@@ -123,7 +123,7 @@ static int read_tables(const struct state *state, const char *path, struct packi
 static int read_attributes(const struct state *state, const char *group, struct forces *forces)
 {
     double iterations = 0, converged = 0, stress[4] = {NAN, NAN, NAN, NAN};
-    forces->imbalance = forces->kn = forces->kt = forces->mu = NAN;
+    forces->imbalance = forces->kn = forces->kt = forces->mu = forces->misfit[0] = forces->misfit[1] = NAN;
     if (state_read_text(state, group, "start", forces->start, sizeof forces->start) < 0 ||
         state_read_numbers(state, group, "iterations", &iterations, 1) < 0 ||
         state_read_numbers(state, group, "converged", &converged, 1) < 0 ||
@@ -131,7 +131,9 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_numbers(state, group, "stress", stress, 4) < 0 ||
         state_read_numbers(state, group, "kn", &forces->kn, 1) < 0 ||
         state_read_numbers(state, group, "kt", &forces->kt, 1) < 0 ||
-        state_read_numbers(state, group, "mu", &forces->mu, 1) < 0)
+        state_read_numbers(state, group, "mu", &forces->mu, 1) < 0 ||
+        state_read_numbers(state, group, "misfit_x", &forces->misfit[0], 1) < 0 ||
+        state_read_numbers(state, group, "misfit_y", &forces->misfit[1], 1) < 0)
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
@@ -196,6 +198,14 @@ int packing_read(const char *path, struct packing *packing)
 
 /* ---- writing ---- */
 
+static int write_misfit(struct state_writer *writer, const char *group, const struct forces *forces)
+{
+    if (!isfinite(forces->misfit[0]) || !isfinite(forces->misfit[1]))
+        return 0;
+    return state_write_numbers(writer, group, "misfit_x", &forces->misfit[0], 1) ||
+           state_write_numbers(writer, group, "misfit_y", &forces->misfit[1], 1);
+}
+
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];
@@ -210,7 +220,7 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "stress", &forces->stress[0][0], 4) ||
                    state_write_numbers(writer, group, "kn", &forces->kn, 1) ||
                    state_write_numbers(writer, group, "kt", &forces->kt, 1) ||
-                   state_write_numbers(writer, group, "mu", &forces->mu, 1)
+                   state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces)
                ? -1
                : 0;
 }

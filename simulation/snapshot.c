@@ -301,6 +301,7 @@ static int write_forces(const struct dem *dem, struct packing *packing)
     forces->kn = dem->law.kn;
     forces->kt = dem->law.kn * dem->law.kt_over_kn; /* NaN where the stiffness depends on the force */
     forces->mu = dem->mu;
+    forces->misfit[0] = forces->misfit[1] = NAN;
     if (flag_rattlers(packing, forces->contact.fn, mean) || write_residuals(packing, forces))
         return -1;
     for (size_t k = 0; k < packing->grains.count; k++) {

@@ -64,6 +64,7 @@ static void make_packing(struct packing *p, int with_walls)
         forces->imbalance = 1e-9;
         forces->stress[0][1] = 4;
         forces->kn = 1e7, forces->kt = 2e7, forces->mu = 0.5;
+        forces->misfit[0] = f ? -2.5 : NAN, forces->misfit[1] = f ? 0 : NAN;
         check_done(table_alloc(&CONTACT_FORCES, &forces->contact, contacts, NULL));
         check_done(table_alloc(&RESIDUALS, &forces->residual, 3, NULL));
         for (size_t c = 0; c < contacts; c++)
@@ -105,6 +106,9 @@ static void test_round_trip(void **unused)
     assert_string_equal(qsm->start, "zero");
     check_near(qsm->stress[0][1], 4, 0);
     check_near(qsm->kt, 2e7, 0);
+    check_near(qsm->misfit[0], -2.5, 0);
+    check_near(qsm->misfit[1], 0, 0);
+    assert_true(isnan(packing_forces(&q, "cem")->misfit[0]));
     packing_free(&p);
     packing_free(&q);
     packing_free(&q);
