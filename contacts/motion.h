@@ -1,4 +1,4 @@
-/* Relative motion at a contact between an earlier state and now (theory.md section 1):
+/* Relative motion at a contact between an earlier state and now (docs/theory.md section 1):
  *
  *     un = (U_j - U_i).n,   ut = (U_j - U_i).t - a_i theta_i - a_j theta_j,
  *

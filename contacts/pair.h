@@ -1,4 +1,4 @@
-/* The geometry of one pair: a grain and a second grain, a straight wall or a corner disc (theory.md section 1). */
+/* The geometry of one pair: a grain and a second grain, a straight wall or a corner disc (docs/theory.md section 1). */
 #ifndef CONTACTS_PAIR_H
 #define CONTACTS_PAIR_H
 

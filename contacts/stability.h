@@ -1,4 +1,4 @@
-/* Which grains can carry a force: mechanical checks of the network (theory.md section 1). */
+/* Which grains can carry a force: mechanical checks of the network (docs/theory.md section 1). */
 #ifndef CONTACTS_STABILITY_H
 #define CONTACTS_STABILITY_H
 

@@ -1,4 +1,4 @@
-/* Contact laws (theory.md section 5). */
+/* Contact laws (docs/theory.md section 5). */
 #ifndef PIPELINE_CONTACT_LAW_H
 #define PIPELINE_CONTACT_LAW_H
 
@@ -28,8 +28,8 @@ int contact_law_read(const struct json *json, const cJSON *object, struct contac
 
 /* Normal force of an overlap (m); 0 for a gap. N. */
 double contact_law_normal(const struct contact_law *law, double overlap);
-/* Move (fn, ft) by the relative motion (dun, dut) of theory.md section 1: dfn = -kn dun, dft = -kt dut, then fn >= 0
- * and |ft| <= mu fn. Returns the enum contact_status. */
+/* Move (fn, ft) by the relative motion (dun, dut) of docs/theory.md section 1: dfn = -kn dun, dft = -kt dut, then fn >=
+ * 0 and |ft| <= mu fn. Returns the enum contact_status. */
 int contact_law_advance(const struct contact_law *law, double mu, double dun, double dut, double *fn, double *ft);
 /* Nearest point of the Coulomb wedge fn >= 0, |ft| <= mu fn along ft (vertical projection; tensile: both zero).
  * A missing number makes both NaN and the status STATUS_NOT_USED. */

@@ -1,5 +1,5 @@
-/* The force of one contact through its history, for every contact law (theory.md section 5). R is the reduced radius,
- * 1/R = 1/R_i + 1/R_j (R_i at a wall); both bodies are of one material: E* = E / (2 (1 - nu^2)).
+/* The force of one contact through its history, for every contact law (docs/theory.md section 5). R is the reduced
+ * radius, 1/R = 1/R_i + 1/R_j (R_i at a wall); both bodies are of one material: E* = E / (2 (1 - nu^2)).
  *
  * linear               F = kn x
  * Hertz                F = 4/3 E* R^1/2 x^3/2, k = dF/dx = 2 E* (R x)^1/2 = (6 E*^2 R F)^1/3

@@ -22,7 +22,7 @@ struct contacts {
     double *x, *y;               /* m: contact point, the middle of the overlap */
     double *overlap, *s_overlap; /* m: R_i + R_j - d, may be negative (a gap) */
     double *probability;         /* 1: that the true overlap is positive */
-    double *un, *ut;             /* m: relative motion since the reference (theory.md 1) */
+    double *un, *ut;             /* m: relative motion since the reference (docs/theory.md 1) */
     double *dun, *dut;           /* m: since the previous state */
     double *s_un, *s_ut, *s_dun, *s_dut;
     uint32_t *flags;

@@ -10,7 +10,7 @@
 
 #include <stddef.h>
 
-/* The exit statuses of every program (contract.md). */
+/* The exit statuses of every program (README.md). */
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INPUT = 3, EXIT_FLAGGED = 4 };
 
 /* Replace this thread's line. Macros, so that static analysers see the -1. */

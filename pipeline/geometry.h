@@ -1,5 +1,5 @@
-/* Small plane vectors and the frame of a contact (theory.md section 1): the normal n points from i to j, the tangent
- * t is n turned by +90 degrees, counter-clockwise is positive, y is up. */
+/* Small plane vectors and the frame of a contact (docs/theory.md section 1): the normal n points from i to j, the
+ * tangent t is n turned by +90 degrees, counter-clockwise is positive, y is up. */
 #ifndef PIPELINE_GEOMETRY_H
 #define PIPELINE_GEOMETRY_H
 

@@ -1,4 +1,4 @@
-/* loads.csv (contract.md): what the machine pushes with, for each photo. */
+/* loads.csv (docs/scene.md): what the machine pushes with, for each photo. */
 #ifndef PIPELINE_LOADS_H
 #define PIPELINE_LOADS_H
 

@@ -1,4 +1,4 @@
-/* scene.json (contract.md): the one place where a user describes an experiment. What the scene leaves out is not
+/* scene.json (docs/scene.md): the one place where a user describes an experiment. What the scene leaves out is not
  * modelled: absent numbers are NaN, absent paths NULL, absent lists empty, absent groups have given == 0. The sections
  * "findgrains", "tracker", "contacts", "forces", "simulation" and "optics" belong to their programs, which read their
  * own keys through scene_section(). */

@@ -1,4 +1,4 @@
-/* State files (contract.md): HDF5, one group per table, one 1-D dataset per column with its unit and long name.
+/* State files (docs/files.md): HDF5, one group per table, one 1-D dataset per column with its unit and long name.
  * A file is whole or absent: it is written beside its target under a temporary name, every return code is checked,
  * then fsync and rename. Two identical runs give identical bytes. HDF5 is not called from parallel regions. */
 #ifndef PIPELINE_STATE_H

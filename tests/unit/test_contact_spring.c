@@ -1,4 +1,4 @@
-/* Contact laws against their closed forms (theory.md section 5), integrals done here by small steps, and cycles that
+/* Contact laws against their closed forms (docs/theory.md section 5), integrals done here by small steps, and cycles that
  * must not create energy. */
 #include "tests/check.h"
 

@@ -282,7 +282,7 @@ static void every_law_comes_to_rest(void **state)
     }
 }
 
-/* Discs 1 and 2 fixed, disc 3 lies on both, 45 degrees: theory.md section 2, P = 1530 N. Sticking needs more friction
+/* Discs 1 and 2 fixed, disc 3 lies on both, 45 degrees: docs/theory.md section 2, P = 1530 N. Sticking needs more friction
  * than there is, so ft = mu fn and fn = P / (2 (sin a + mu cos a)); the overlap of 1e-3 R changes the angle a little.
  */
 static void three_discs(void **state)
