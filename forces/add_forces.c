@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/fclib.h"
 #include "forces/network.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -102,6 +103,7 @@ int add_forces(const struct force_request *request, size_t *unbalanced, size_t *
     *unbalanced = 0;
     int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
                  read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, unbalanced) ||
+                 (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);
     *grains = packing.grains.count;
     packing_free(&packing);

@@ -5,7 +5,7 @@
 #include "forces/options.h"
 
 struct force_request {
-    const char *scene, *input, *previous, *from, *output; /* paths; previous, from: NULL when not given */
+    const char *scene, *input, *previous, *from, *output, *fclib; /* paths; previous, from, fclib: NULL: not given */
     struct method_list methods;
     struct force_options options;
 };

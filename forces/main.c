@@ -7,13 +7,13 @@
 
 struct arguments {
     struct cli cli;
-    const char *input, *previous, *start;
+    const char *input, *previous, *start, *fclib;
     struct method_list methods;            /* count 0: not on the command line */
     double tolerance, iterations, samples; /* NaN: not on the command line */
     int fix;                               /* -1: not on the command line */
 };
 
-enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES };
+enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, FCLIB };
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -25,6 +25,7 @@ static const struct argp_option option_list[] = {
     {"tolerance", TOLERANCE, "X", 0, "Largest unbalanced force over the mean normal force (1e-6)", 0},
     {"iterations", ITERATIONS, "N", 0, "Stop after N iterations (0: the method's own limit)", 0},
     {"samples", SAMPLES, "N", 0, "map: N draws for standard deviations and 90 % intervals (0: none)", 0},
+    {"fclib", FCLIB, "FILE", 0, "Also write the contact problem for other solvers (Local form of FCLib, HDF5)", 0},
     {0}};
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
@@ -55,6 +56,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         return 0;
     case SAMPLES:
         arguments->samples = cli_number(state, "--samples", arg, 0, 1e5);
+        return 0;
+    case FCLIB:
+        arguments->fclib = arg;
         return 0;
     case ARGP_KEY_ARG:
         if (arguments->input)
@@ -89,6 +93,7 @@ static int run(const struct arguments *arguments)
                                     .input = arguments->input,
                                     .previous = arguments->previous,
                                     .output = arguments->cli.output,
+                                    .fclib = arguments->fclib,
                                     .methods = {{METHOD_MAP}, 1},
                                     .options = FORCE_OPTIONS_DEFAULT};
     size_t unbalanced = 0, grains = 0;
