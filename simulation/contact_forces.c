@@ -12,22 +12,38 @@ static int is_wall(const struct dem *dem, const struct dem_pair *pair)
     return (size_t)pair->j >= dem->count;
 }
 
+/* The corner disc of a pair, or NULL. */
+static const struct dem_corner *pair_corner(const struct dem *dem, const struct dem_pair *pair)
+{
+    size_t sides_end = dem->count + SIDES;
+    return (size_t)pair->j < sides_end ? NULL : &dem->box.corner[(size_t)pair->j - sides_end];
+}
+
 /* Where a pair stands. */
 struct geometry {
     double nx, ny, overlap;
 };
+
+/* A grain and a disc around (x, y). */
+static inline struct geometry disc_geometry(const struct dem_grain *g, double x, double y, double radius)
+{
+    double dx = x - g->x, dy = y - g->y, reach = g->radius + radius, square = dx * dx + dy * dy;
+    if (square >= reach * reach || square == 0)
+        return (struct geometry){0};
+    double distance = sqrt(square);
+    return (struct geometry){dx / distance, dy / distance, reach - distance};
+}
 
 static struct geometry pair_geometry(const struct dem *dem, const struct dem_pair *pair)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
     if (!is_wall(dem, pair)) {
         const struct dem_grain *h = &dem->grains[pair->j];
-        double dx = h->x - g->x, dy = h->y - g->y, reach = g->radius + h->radius, square = dx * dx + dy * dy;
-        if (square >= reach * reach || square == 0)
-            return (struct geometry){0};
-        double distance = sqrt(square);
-        return (struct geometry){dx / distance, dy / distance, reach - distance};
+        return disc_geometry(g, h->x, h->y, h->radius);
     }
+    const struct dem_corner *corner = pair_corner(dem, pair);
+    if (corner)
+        return disc_geometry(g, corner->at.x, corner->at.y, dem->box.corner_radius);
     const struct dem_side *side = &dem->box.side[(size_t)pair->j - dem->count];
     return (struct geometry){-side->inward.x, -side->inward.y,
                              g->radius - vec_dot(vec_sub(vec(g->x, g->y), side->point), side->inward)};
@@ -44,6 +60,8 @@ static void pair_velocity(const struct dem *dem, const struct dem_pair *pair, st
         const struct dem_grain *h = &dem->grains[pair->j];
         velocity = vec(h->vx, h->vy);
         turning += (h->radius - half) * h->spin;
+    } else if (pair_corner(dem, pair)) {
+        velocity = pair_corner(dem, pair)->velocity;
     } else {
         const struct dem_side *side = &dem->box.side[(size_t)pair->j - dem->count];
         double height = g->y + arm * n.y - side->point.y;
@@ -115,11 +133,27 @@ static void act(struct dem_grain *g, const struct dem_pair *pair, struct vec for
     g->moment -= (g->radius - 0.5 * pair->overlap) * pair->spring.ft;
 }
 
+/* Work of the force per unit of each freedom: the corner is at (right W + top g H, top H). */
+static void act_on_corner(struct dem_box *box, int k, struct vec force)
+{
+    box->corner[k].force = vec_add(box->corner[k].force, force);
+    if (k == BOX_BOTTOM_RIGHT || k == BOX_TOP_RIGHT)
+        box->push[BOX_WIDTH] += force.x;
+    if (k == BOX_TOP_RIGHT || k == BOX_TOP_LEFT) {
+        box->push[BOX_SHEAR] += force.x * box->size[BOX_HEIGHT];
+        box->push[BOX_HEIGHT] += force.y + force.x * box->size[BOX_SHEAR];
+    }
+}
+
 static void act_on_wall(struct dem *dem, const struct dem_pair *pair, struct vec force)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
     struct dem_box *box = &dem->box;
     int s = pair->j - (int)dem->count;
+    if (s >= SIDES) {
+        act_on_corner(box, s - SIDES, force);
+        return;
+    }
     double height = g->y + (g->radius - 0.5 * pair->overlap) * pair->ny;
     box->side[s].force = vec_add(box->side[s].force, force);
     if (s == SIDE_RIGHT || s == SIDE_LEFT)
@@ -220,6 +254,8 @@ static int all_forces(struct dem *dem, struct instant now)
     walls_work(&dem->box);
     for (int s = 0; s < SIDES; s++)
         dem->box.side[s].force = vec(0, 0);
+    for (int k = 0; k < BOX_CORNERS; k++)
+        dem->box.corner[k].force = vec(0, 0);
     for (int f = 0; f < BOX_FREEDOMS; f++)
         dem->box.push[f] = 0;
     if (dem->count < dem->parallel_from)

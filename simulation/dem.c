@@ -60,6 +60,25 @@ double dem_time_unit(const struct dem *dem, double stiffness)
     return sqrt(lightest / stiffness);
 }
 
+struct vec dem_corner_at(const struct dem_box *box, int k)
+{
+    double width = box->size[BOX_WIDTH], height = box->size[BOX_HEIGHT], lean = box->size[BOX_SHEAR] * height;
+    int right = k == BOX_BOTTOM_RIGHT || k == BOX_TOP_RIGHT, top = k == BOX_TOP_RIGHT || k == BOX_TOP_LEFT;
+    return vec((right ? width : 0) + (top ? lean : 0), top ? height : 0);
+}
+
+/* Each goes in x with its side wall, in y with the bottom or the top. */
+static void place_corners(struct dem_box *box)
+{
+    struct vec right = box->side[SIDE_RIGHT].velocity, top = box->side[SIDE_TOP].velocity;
+    for (int k = 0; k < BOX_CORNERS; k++)
+        box->corner[k].at = dem_corner_at(box, k);
+    box->corner[BOX_BOTTOM_LEFT].velocity = vec(0, 0);
+    box->corner[BOX_BOTTOM_RIGHT].velocity = right;
+    box->corner[BOX_TOP_RIGHT].velocity = vec_add(right, top);
+    box->corner[BOX_TOP_LEFT].velocity = top;
+}
+
 void dem_place_walls(struct dem *dem)
 {
     struct dem_box *box = &dem->box;
@@ -78,6 +97,8 @@ void dem_place_walls(struct dem *dem)
         .point = {shear * size[BOX_HEIGHT], size[BOX_HEIGHT]},
         .inward = {0, -1},
         .velocity = {rate[BOX_SHEAR] * size[BOX_HEIGHT] + shear * rate[BOX_HEIGHT], rate[BOX_HEIGHT]}};
+    if (box->corner_radius > 0)
+        place_corners(box);
 }
 
 const struct contact_pair *dem_pair_law(const struct dem *dem, size_t p)

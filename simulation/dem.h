@@ -16,6 +16,7 @@
 
 enum { BOX_WIDTH, BOX_HEIGHT, BOX_SHEAR, BOX_FREEDOMS };
 enum { SIDE_BOTTOM, SIDE_RIGHT, SIDE_TOP, SIDE_LEFT, SIDES };
+enum { BOX_BOTTOM_LEFT, BOX_BOTTOM_RIGHT, BOX_TOP_RIGHT, BOX_TOP_LEFT, BOX_CORNERS }; /* side k goes from k to k + 1 */
 enum { DEM_PARALLEL_FROM = 4000 }; /* fewer grains: one thread is faster */
 
 struct dem_grain {
@@ -36,6 +37,12 @@ struct dem_side {
     struct vec force;         /* N: what the grains push it with */
 };
 
+/* A disc in a corner of the box, convex, without spin. */
+struct dem_corner {
+    struct vec at, velocity; /* m, m/s: of its centre, which is the corner */
+    struct vec force;        /* N: what the grains push it with */
+};
+
 struct dem_box {
     int given;                 /* 0: no walls */
     double size[BOX_FREEDOMS]; /* m, m, 1 */
@@ -43,10 +50,13 @@ struct dem_box {
     double push[BOX_FREEDOMS]; /* N, N, N m: work of the grains' forces per unit of each freedom */
     double work;               /* J: done by the walls on the grains since the beginning (trapezoidal rule) */
     double worked_size[BOX_FREEDOMS];
+    double corner_radius;        /* m; 0: no discs in the corners */
     struct dem_side side[SIDES]; /* follow from the above: dem_place_walls() */
+    struct dem_corner corner[BOX_CORNERS];
 };
 
-/* Two grains (or a grain and a side, j = number of grains + side) near enough to touch before the next search. */
+/* Two grains (or a grain and a side, j = number of grains + side; or a corner, j = number of grains + SIDES + corner)
+ * near enough to touch before the next search. */
 struct dem_pair {
     int i, j;
     int touching, slips;          /* 0 or 1 */
@@ -87,8 +97,10 @@ void dem_free(struct dem *dem);
  * e = exp(-(pi - 2 a) tan a), ratio = sin a (the contact ends when its force vanishes, not its overlap). */
 double dem_damping_ratio(double restitution);
 
-/* Sides from the box's size and rate. */
+/* Sides and corners from the box's size and rate. */
 void dem_place_walls(struct dem *dem);
+/* Where corner k of the box is. */
+struct vec dem_corner_at(const struct dem_box *box, int k);
 /* All forces at the present positions; the friction springs have moved by the relative velocities times dt. Searches
  * for new pairs when grains have moved far enough. dem_forces_static leaves the dashpots out. Do not depend on the
  * number of threads. */

@@ -97,10 +97,11 @@ static void pairs_complete(struct dem *dem)
         struct dem_pair *pair = &dem->pairs[p];
         const struct dem_grain *g = &dem->grains[pair->i];
         const struct dem_grain *h = (size_t)pair->j < dem->count ? &dem->grains[pair->j] : NULL;
+        double other = h ? h->radius : (size_t)pair->j >= dem->count + SIDES ? dem->box.corner_radius : INFINITY;
         double mobility = (g->fixed ? 0 : 1 / g->mass) + (h && !h->fixed ? 1 / h->mass : 0);
         pair->damping = mobility > 0 ? 2 * dem->damping_ratio / sqrt(mobility) : 0;
         if (dem->law.kind != LAW_LINEAR)
-            dem->pair_law[p] = contact_pair_of(&dem->law, 1 / (1 / g->radius + (h ? 1 / h->radius : 0)));
+            dem->pair_law[p] = contact_pair_of(&dem->law, 1 / (1 / g->radius + 1 / other));
     }
 }
 
@@ -162,6 +163,13 @@ static int pairs_with_walls(struct dem *dem)
             if (distance < g->radius + dem->skin && pair_add(dem, (int)i, (int)dem->count + s))
                 return -1;
         }
+        for (int k = 0; k < BOX_CORNERS && dem->box.given && dem->box.corner_radius > 0; k++) {
+            const struct dem_grain *g = &dem->grains[i];
+            struct vec apart = vec_sub(vec(g->x, g->y), dem->box.corner[k].at);
+            if (vec_norm(apart) < g->radius + dem->box.corner_radius + dem->skin &&
+                pair_add(dem, (int)i, (int)dem->count + SIDES + k))
+                return -1;
+        }
     }
     dem->wall_first[dem->count] = dem->pair_count;
     return 0;
@@ -194,6 +202,9 @@ static int search_needed(const struct dem *dem)
     const double *size = dem->box.size, *then = dem->searched_size;
     if (dem->box.given)
         wall = fabs(size[0] - then[0]) + fabs(size[1] - then[1]) + fabs(size[2] - then[2]) * fmax(size[1], then[1]);
+    if (dem->box.corner_radius > 0)
+        wall =
+            fmax(wall, fabs(size[0] - then[0]) + fabs(size[1] - then[1]) + fabs(size[2] * size[1] - then[2] * then[1]));
     for (size_t k = 0; k < dem->count; k++) {
         double dx = dem->grains[k].x - dem->searched_at[k].x, dy = dem->grains[k].y - dem->searched_at[k].y;
         double square = dx * dx + dy * dy;

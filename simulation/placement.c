@@ -51,18 +51,18 @@ static int placement_loose(const struct simulation *simulation, struct dem *dem)
 
     size_t columns = (size_t)ceil(sqrt((double)count * simulation->aspect));
     size_t rows = (count + columns - 1) / columns;
-    double cell = 2.05 * largest;
+    double cell = 2.05 * largest, edge = simulation->corner_radius; /* clear of the corner discs */
     for (k = 0; k < count; k++) {
         struct dem_grain *grain = &dem->grains[k];
         double free = 0.5 * cell - grain->radius;
-        grain->x = ((double)(k % columns) + 0.5) * cell;
-        grain->y = ((double)(k / columns) + 0.5) * cell;
+        grain->x = edge + ((double)(k % columns) + 0.5) * cell;
+        grain->y = edge + ((double)(k / columns) + 0.5) * cell;
         grain->x += free * (2 * random_uniform(key_of(simulation, KEY_JITTER), 2 * k) - 1);
         grain->y += free * (2 * random_uniform(key_of(simulation, KEY_JITTER), 2 * k + 1) - 1);
     }
     dem->box.given = 1;
-    dem->box.size[BOX_WIDTH] = (double)columns * cell;
-    dem->box.size[BOX_HEIGHT] = (double)rows * cell;
+    dem->box.size[BOX_WIDTH] = 2 * edge + (double)columns * cell;
+    dem->box.size[BOX_HEIGHT] = 2 * edge + (double)rows * cell;
     return 0;
 }
 
@@ -78,6 +78,33 @@ static int check_discs(const struct simulation *simulation)
                                    overlap);
             if (overlap > 0.2 * fmin(p->radius, q->radius))
                 return error_input("simulation: discs %zu and %zu overlap by %g m: move them apart", a, b, overlap);
+        }
+    return 0;
+}
+
+/* The corner discs are half a side apart or more, and no grain sits on one. */
+static int check_corners(const struct simulation *simulation, const struct dem *dem)
+{
+    const struct dem_box *box = &dem->box;
+    double radius = simulation->corner_radius, area = 0;
+    for (size_t k = 0; k < dem->count; k++)
+        area += dem->grains[k].radius * dem->grains[k].radius * 3.141592653589793;
+    if (!box->given)
+        return error_input("simulation: corner_radius_m needs a box: give box_m");
+    double width = box->size[BOX_WIDTH], height = box->size[BOX_HEIGHT];
+    double shortest = fmin(fmin(width, height), sqrt(area * fmin(width / height, height / width)));
+    if (!simulation->disc_count && radius > 0.25 * shortest)
+        return error_input(
+            "simulation: corner_radius_m %g is more than a quarter of the packing's side: make it smaller", radius);
+    if (2 * radius > fmin(width, height))
+        return error_input("simulation: corner_radius_m %g: the corner discs overlap: make it smaller", radius);
+    for (size_t k = 0; k < dem->count; k++)
+        for (int c = 0; c < BOX_CORNERS; c++) {
+            const struct dem_grain *g = &dem->grains[k];
+            struct vec at = dem_corner_at(box, c);
+            double overlap = g->radius + radius - hypot(g->x - at.x, g->y - at.y);
+            if (overlap > 0.2 * fmin(g->radius, radius))
+                return error_input("simulation: disc %zu overlaps a corner disc by %g m: move it", k, overlap);
         }
     return 0;
 }
@@ -104,5 +131,8 @@ static int placement_by_hand(const struct simulation *simulation, struct dem *de
 
 int placement(const struct simulation *simulation, struct dem *dem)
 {
-    return simulation->disc_count ? placement_by_hand(simulation, dem) : placement_loose(simulation, dem);
+    if (simulation->disc_count ? placement_by_hand(simulation, dem) : placement_loose(simulation, dem))
+        return -1;
+    dem->box.corner_radius = simulation->corner_radius;
+    return simulation->corner_radius > 0 ? check_corners(simulation, dem) : 0;
 }

@@ -139,8 +139,9 @@ int series_folder_save(const struct packing *packing, const struct simulation_st
     if (status)
         return -1;
     for (size_t w = 0; w < packing->walls.count; w++)
-        fprintf(folder->loads.stream, "%" PRId64 ",%.*s,%.17g,%.17g\n", state->index, NAME_LENGTH,
-                packing->walls.name[w], packing->walls.fx[w], packing->walls.fy[w]);
+        if (!wall_is_disc(&packing->walls, w)) /* the loads of corner discs are in those of the sides */
+            fprintf(folder->loads.stream, "%" PRId64 ",%.*s,%.17g,%.17g\n", state->index, NAME_LENGTH,
+                    packing->walls.name[w], packing->walls.fx[w], packing->walls.fy[w]);
     summary_row(folder->summary.stream, state);
     folder->states++;
     folder->unrelaxed += !state->relaxed;

@@ -55,11 +55,12 @@ struct simulation {
     double aspect;                   /* width over height of the empty box */
     const struct placed_disc *discs; /* instead of a grading */
     size_t disc_count;
-    double box[2];   /* m: of the box around the discs; NaN: no walls */
-    double kappa;    /* kn / p; p the stress in the plane, N/m; NaN: see pressure */
-    double pressure; /* N/m; both NaN: the walls are fixed */
-    double density;  /* kg/m3 */
-    double length;   /* m: of the rods; NaN: 1 for masses, stresses in N/m */
+    double box[2];        /* m: of the box around the discs; NaN: no walls */
+    double corner_radius; /* m: of the convex discs on the corners of the box; 0: none */
+    double kappa;         /* kn / p; p the stress in the plane, N/m; NaN: see pressure */
+    double pressure;      /* N/m; both NaN: the walls are fixed */
+    double density;       /* kg/m3 */
+    double length;        /* m: of the rods; NaN: 1 for masses, stresses in N/m */
     struct contact_law law;
     struct vec gravity;    /* m/s2 */
     double preparation_mu; /* friction during the compression; NaN: the law's */

@@ -198,7 +198,8 @@ static int read_numbers(const struct scene *scene, const cJSON *section, struct 
         json_number(json, section, "restitution", SIMULATION_RESTITUTION_MIN, 1, &simulation->restitution) < 0 ||
         json_number(json, section, "inertial_number", 1e-8, 0.1, &simulation->inertial) < 0 ||
         json_number(json, section, "time_step", 1e-4, SIMULATION_TIME_STEP_MAX, &simulation->time_step) < 0 ||
-        json_number(json, section, "tolerance", 1e-12, 1e-6, &simulation->tolerance) < 0)
+        json_number(json, section, "tolerance", 1e-12, 1e-6, &simulation->tolerance) < 0 ||
+        json_number(json, section, "corner_radius_m", 1e-9, 1e6, &simulation->corner_radius) < 0)
         return -1;
     simulation->seed = (uint64_t)seed;
     simulation->max_steps = max_steps;
@@ -237,16 +238,27 @@ static int check_needs(const struct scene *scene, const cJSON *section)
 
 static int read_section(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
-    static const char *const keys[] = {"seed",        "grading",
-                                       "discs",       "box_m",
-                                       "aspect",      "kappa",
-                                       "pressure_Pa", "friction_during_compression",
-                                       "restitution", "inertial_number",
-                                       "time_step",   "tolerance",
-                                       "max_steps",   "test",
-                                       "steps",       "stress_steps",
-                                       "cycles",      "lateral",
-                                       "relax_at",    "stress_amplitude",
+    static const char *const keys[] = {"seed",
+                                       "grading",
+                                       "discs",
+                                       "box_m",
+                                       "aspect",
+                                       "kappa",
+                                       "pressure_Pa",
+                                       "friction_during_compression",
+                                       "restitution",
+                                       "inertial_number",
+                                       "time_step",
+                                       "tolerance",
+                                       "max_steps",
+                                       "test",
+                                       "steps",
+                                       "stress_steps",
+                                       "cycles",
+                                       "lateral",
+                                       "relax_at",
+                                       "stress_amplitude",
+                                       "corner_radius_m",
                                        NULL};
     struct simulation *simulation = &plan->simulation;
     if (json_check_keys(scene->json, section, keys) || read_numbers(scene, section, simulation) ||

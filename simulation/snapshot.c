@@ -7,6 +7,7 @@
 #include "pipeline/stress.h"
 
 static const char *const SIDE_NAMES[SIDES] = {"bottom", "right", "top", "left"};
+static const char *const CORNER_NAMES[BOX_CORNERS] = {"bottom-left", "bottom-right", "top-right", "top-left"};
 /* A contact carries when its force is more than what the relaxation leaves unbalanced. */
 static const double CARRIES = 1e-5;
 
@@ -69,21 +70,43 @@ static int write_grains(const struct dem *dem, struct grains *grains)
 /* Ends of a side, the interior on the left. */
 static void side_ends(const struct dem_box *box, int side, struct vec *from, struct vec *to)
 {
-    double width = box->size[BOX_WIDTH], height = box->size[BOX_HEIGHT], lean = box->size[BOX_SHEAR] * height;
-    const struct vec corner[4] = {{0, 0}, {width, 0}, {width + lean, height}, {lean, height}};
-    *from = corner[side];
-    *to = corner[(side + 1) % 4];
+    *from = dem_corner_at(box, side);
+    *to = dem_corner_at(box, (side + 1) % BOX_CORNERS);
 }
 
-/* Load along the normal: what the servo applies; where the wall is held, and along the wall: the reaction. */
+/* Load along the normal: what the servo applies; where the wall is held, and along the wall: the reaction. The forces
+ * on its two corner discs enter in x for the side walls, in y for the bottom and the top. */
 static struct vec side_load(const struct dem *dem, const struct servo *servo, int side)
 {
     struct vec load = vec_sub(vec(0, 0), dem->box.side[side].force);
+    for (int end = 0; end < 2 && dem->box.corner_radius > 0; end++) {
+        struct vec force = dem->box.corner[(side + end) % BOX_CORNERS].force;
+        int upright = side == SIDE_RIGHT || side == SIDE_LEFT;
+        load = vec_sub(load, upright ? vec(force.x, 0) : vec(0, force.y));
+    }
     if (side == SIDE_RIGHT && servo->hold[BOX_WIDTH] == HOLD_STRESS)
         load.x = servo_load(dem, servo, BOX_WIDTH);
     if (side == SIDE_TOP && servo->hold[BOX_HEIGHT] == HOLD_STRESS && dem->box.size[BOX_SHEAR] == 0)
         load.y = servo_load(dem, servo, BOX_HEIGHT);
     return load;
+}
+
+/* Rows after the sides. Their loads are part of those of the sides. */
+static void write_corners(const struct dem *dem, const struct snapshot *previous, struct walls *walls)
+{
+    for (int k = 0; k < BOX_CORNERS; k++) {
+        size_t w = (size_t)(SIDES + k);
+        struct vec at = dem_corner_at(&dem->box, k);
+        strcpy(walls->name[w], CORNER_NAMES[k]);
+        walls->x0[w] = walls->x1[w] = at.x;
+        walls->y0[w] = walls->y1[w] = at.y;
+        walls->radius[w] = dem->box.corner_radius;
+        walls->fx[w] = walls->fy[w] = 0;
+        if (previous) {
+            struct vec moved = vec_sub(at, dem_corner_at(&previous->box, k));
+            walls->dx[w] = moved.x, walls->dy[w] = moved.y, walls->dangle[w] = 0;
+        }
+    }
 }
 
 static int write_walls(const struct dem *dem, const struct servo *servo, const struct snapshot *previous,
@@ -93,7 +116,8 @@ static int write_walls(const struct dem *dem, const struct servo *servo, const s
     static const char *const motions[] = {"dx", "dy", "dangle"};
     if (!dem->box.given)
         return 0;
-    if (table_alloc(&WALLS, walls, SIDES, columns))
+    int corners = dem->box.corner_radius > 0;
+    if (table_alloc(&WALLS, walls, corners ? SIDES + BOX_CORNERS : SIDES, columns))
         return -1;
     for (int c = 0; previous && c < 3; c++)
         if (table_add(&WALLS, walls, motions[c]))
@@ -115,6 +139,8 @@ static int write_walls(const struct dem *dem, const struct servo *servo, const s
             walls->dangle[s] = atan2(vec_cross(old_along, along), vec_dot(old_along, along));
         }
     }
+    if (corners)
+        write_corners(dem, previous, walls);
     return 0;
 }
 
@@ -147,6 +173,9 @@ static void pair_motion(const struct dem *dem, const struct dem_pair *pair, cons
         const struct dem_grain *h = &dem->grains[pair->j], *h0 = &then->grains[pair->j];
         motion = vec(h->x - h0->x, h->y - h0->y);
         turning += (h->radius - half) * (h->angle - h0->angle);
+    } else if ((size_t)pair->j >= dem->count + SIDES) {
+        int corner = pair->j - (int)dem->count - SIDES;
+        motion = vec_sub(dem_corner_at(&dem->box, corner), dem_corner_at(&then->box, corner));
     } else {
         double height = 0.5 * (g->y + g0->y) + (g->radius - half) * normal.y;
         motion = side_motion(&dem->box, &then->box, pair->j - (int)dem->count, height);

@@ -64,14 +64,21 @@ static double drift(struct dem *dem, const struct servo *servo, double dt, doubl
     return largest;
 }
 
-static double drift_of(struct contact_law law, const struct servo *servo, double steps_per_period, double *lost)
+static double drift_between(struct contact_law law, const struct servo *servo, double corner_radius,
+                            double steps_per_period, double *lost)
 {
     struct dem dem;
     double period = gas(&dem, law, DISCS, 0.5);
+    dem.box.corner_radius = corner_radius;
     double largest = drift(&dem, servo, period / steps_per_period, 60 * period, lost);
     assert_true(dem.searches > 1);
     dem_free(&dem);
     return largest;
+}
+
+static double drift_of(struct contact_law law, const struct servo *servo, double steps_per_period, double *lost)
+{
+    return drift_between(law, servo, 0, steps_per_period, lost);
 }
 
 static void nothing_is_lost_without_friction(void **state)
@@ -95,6 +102,20 @@ static void friction_is_accounted_for(void **state)
     double lost, coarse = drift_of(law, &servo, 300, &lost), fine = drift_of(law, &servo, 3000, &lost);
     print_message("with friction: lost %.3f, does not close by %.2e at 1/300, %.2e at 1/3000\n", lost, coarse, fine);
     assert_true(lost > 0.05);
+    check_at_most(fine, 1e-4);
+    check_at_most(fine, 0.2 * coarse);
+}
+
+/* Discs in the corners that move with all freedoms of the box: their work counts too. */
+static void corner_discs_work_too(void **state)
+{
+    (void)state;
+    struct contact_law law = {.kn = 1e6, .kt_over_kn = 0.7, .mu = 0.3, .mu_wall = 0.2};
+    struct servo servo = {.hold = {HOLD_RATE, HOLD_RATE, HOLD_RATE}, .rate = {-0.05, -0.05, 0.3}};
+    double lost, coarse = drift_between(law, &servo, 0.0042, 300, &lost);
+    double fine = drift_between(law, &servo, 0.0042, 3000, &lost);
+    print_message("with corner discs: lost %.3f, does not close by %.2e at 1/300, %.2e at 1/3000\n", lost, coarse,
+                  fine);
     check_at_most(fine, 1e-4);
     check_at_most(fine, 0.2 * coarse);
 }
@@ -147,6 +168,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_lost_without_friction),
         cmocka_unit_test(friction_is_accounted_for),
+        cmocka_unit_test(corner_discs_work_too),
         cmocka_unit_test(curved_laws_store_what_they_give_back),
         cmocka_unit_test(threads_give_the_same_bits),
     };

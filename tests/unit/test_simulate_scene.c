@@ -123,6 +123,7 @@ static void mistakes_are_refused(void **state)
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"steps\": [[1, 0.9]]}", "steps"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"tolerance\": 0.1}", "tolerance"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"sede\": 1}", "sede"},
+        {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"corner_radius_m\": -0.01}", "corner_radius_m"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"time_step\": 0.5}", "time_step"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"discs\": 3}", "discs"},
         {"{\"kappa\": 100, \"grading\": [[2, 0.01]], \"discs\": [{\"x_m\": 0, \"y_m\": 0, \"radius_m\": 1}]}",
