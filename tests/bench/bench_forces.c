@@ -15,6 +15,7 @@ struct bench {
     int kappas;
     long steps;
     uint64_t seed;
+    const struct packing *previous; /* state before this one, with its true forces; NULL: none */
 };
 
 static struct force_options usual(void)
@@ -144,6 +145,21 @@ static int table_interval(const struct bench *bench, const struct packing *truth
     return 0;
 }
 
+/* A state started from nothing, from its overlaps, and from the forces of the state before. */
+static int table_warm(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const enum force_start starts[] = {START_ZERO, START_OVERLAP, START_PREVIOUS};
+    for (int method = METHOD_QSM; method <= METHOD_MAP && bench->previous; method++)
+        for (int s = 0; s < 3; s++) {
+            struct force_options options = usual();
+            options.start = starts[s];
+            options.previous = bench->previous;
+            if (measure(truth, truth, &options, (enum force_method)method, label))
+                return -1;
+        }
+    return 0;
+}
+
 static int run(const struct bench *bench, table *make)
 {
     headline();
@@ -153,7 +169,9 @@ static int run(const struct bench *bench, table *make)
         for (size_t s = 0; !failed && s < states.count; s++) {
             char label[60];
             snprintf(label, sizeof label, "kappa %g state %zu", bench->kappa[k], s);
-            failed = make(bench, &states.state[s], label);
+            struct bench here = *bench;
+            here.previous = s > 0 ? &states.state[s - 1] : NULL;
+            failed = make(&here, &states.state[s], label);
         }
         states_free(&states);
         if (failed)
@@ -167,8 +185,11 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         table *make;
-    } tables[] = {
-        {"speed", table_speed}, {"noise", table_noise}, {"network", table_network}, {"interval", table_interval}};
+    } tables[] = {{"speed", table_speed},
+                  {"noise", table_noise},
+                  {"network", table_network},
+                  {"interval", table_interval},
+                  {"warm", table_warm}};
     struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .seed = 7};
     table *make = NULL;
     for (int k = 1; k < argc; k++) {
@@ -187,8 +208,8 @@ int main(int argc, char **argv)
             bench.steps = strtol(value, NULL, 10);
     }
     if (!make) {
-        fprintf(stderr,
-                "bench_forces: which table? speed, noise, network or interval [--kappa K,... --grains N --steps N]\n");
+        fprintf(stderr, "bench_forces: which table? speed, noise, network, interval or warm [--kappa K,... --grains N "
+                        "--steps N]\n");
         return EXIT_USAGE;
     }
     if (!run(&bench, make))
