@@ -12,7 +12,8 @@ static const char doc[] =
     "standard errors.\n\nNothing has to be tuned: grey levels, blur and noise are taken from the photo. From the scene "
     "it "
     "uses photos.size_px and photos.channel, frame (where grains can be; left out: the whole photo), grains.radius_px "
-    "(left out: estimated) and findgrains.shape (auto, circle or ellipse).\v"
+    "(left out: from 1/400 of the zone's smaller side, 5 px at least, which is slow on a large photo) and "
+    "findgrains.shape (auto, circle or ellipse).\v"
     "Example: findgrains --scene scene.json --picture 0000.png photos/0000.tif -o 0000.grains.hdf";
 
 struct arguments {
