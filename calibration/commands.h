@@ -8,8 +8,12 @@ int command_friction(int argc, char **argv);
 int command_hertz(int argc, char **argv);
 int command_lens(int argc, char **argv);
 int command_scale(int argc, char **argv);
+int command_stiffness(int argc, char **argv);
 
 /* Write a calibration file (JSON, doubles with 17 digits) whole or not at all; takes the object. */
 int calibration_write(const char *path, cJSON *object);
+
+/* Add a number; one that is not finite is left out. */
+void calibration_add(cJSON *object, const char *name, double value);
 
 #endif

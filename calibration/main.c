@@ -12,6 +12,7 @@ static const struct command {
 } commands[] = {
     {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
     {"scale", "calibration scale", command_scale, "metres per pixel from known lengths"},
+    {"stiffness", "calibration stiffness", command_stiffness, "normal stiffness from a test on two rods"},
     {"friction", "calibration friction", command_friction, "friction between grains from three-rod tests"},
     {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli, closed form"},
 };
