@@ -11,7 +11,7 @@ static int write_packing(const struct arguments *arguments, const struct scene *
                          const struct packing *packing)
 {
     size_t count = 0;
-    const char **inputs = malloc((arguments->radii.count + 3) * sizeof *inputs);
+    const char **inputs = malloc((arguments->radii.count + 2) * sizeof *inputs);
     struct provenance provenance = PROVENANCE_DEFAULT;
     char *parameters = contact_options_text(options, summary);
     if (!inputs || !parameters) {
@@ -19,7 +19,6 @@ static int write_packing(const struct arguments *arguments, const struct scene *
         free(parameters);
         return inputs ? -1 : error_memory("names of the inputs");
     }
-    inputs[count++] = arguments->cli.scene;
     inputs[count++] = arguments->input;
     if (arguments->previous)
         inputs[count++] = arguments->previous;
@@ -27,6 +26,7 @@ static int write_packing(const struct arguments *arguments, const struct scene *
         inputs[count++] = arguments->radii.paths[m];
     provenance.stage = "contacts";
     provenance.parameters = parameters;
+    provenance.scene = scene;
     provenance.input_paths = inputs;
     provenance.input_count = count;
     provenance.index = photo->info.index;

@@ -72,15 +72,16 @@ static error_t parse(int key, char *text, struct argp_state *state)
 static int write_file(const struct arguments *arguments, const struct scene *scene, const struct find_options *options,
                       const struct photo_grains *grains, const struct find_notes *notes)
 {
-    const char *const inputs[] = {scene->path, arguments->photo, arguments->refine};
+    const char *const inputs[] = {arguments->photo, arguments->refine};
     struct provenance provenance = PROVENANCE_DEFAULT;
     char *parameters = settings_print(options), *found = settings_print_notes(notes);
     int status = -1;
     provenance.stage = "findgrains";
     provenance.coordinates = "seen";
     provenance.parameters = parameters;
+    provenance.scene = scene;
     provenance.input_paths = inputs;
-    provenance.input_count = arguments->refine ? 3 : 2;
+    provenance.input_count = arguments->refine ? 2 : 1;
     provenance.index = scene_photo_index(scene, arguments->photo);
     provenance.time_s = scene_time(scene, (long)provenance.index);
     struct state_writer *writer = parameters && found ? state_create(arguments->cli.output, &provenance) : NULL;

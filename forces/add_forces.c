@@ -70,8 +70,8 @@ static int infer_all(const struct force_request *request, const struct force_opt
 static int write_forces(const struct force_request *request, const struct force_options *options,
                         const struct packing *packing)
 {
-    const char *inputs[4] = {request->scene, request->input};
-    size_t count = 2;
+    const char *inputs[3] = {request->input};
+    size_t count = 1;
     if (request->previous)
         inputs[count++] = request->previous;
     if (request->from)
@@ -82,6 +82,7 @@ static int write_forces(const struct force_request *request, const struct force_
     struct provenance provenance = PROVENANCE_DEFAULT;
     provenance.stage = "forces";
     provenance.parameters = parameters;
+    provenance.scene = request->scene;
     provenance.input_paths = inputs;
     provenance.input_count = count;
     provenance.index = packing->info.index;

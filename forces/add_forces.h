@@ -5,7 +5,8 @@
 #include "forces/options.h"
 
 struct force_request {
-    const char *scene, *input, *previous, *from, *output, *fclib; /* paths; previous, from, fclib: NULL: not given */
+    const struct scene *scene;
+    const char *input, *previous, *from, *output, *fclib; /* paths; previous, from, fclib: NULL: not given */
     struct method_list methods;
     struct force_options options;
 };

@@ -89,7 +89,7 @@ static void choose_start(const char *text, struct force_request *request)
 static int run(const struct arguments *arguments)
 {
     struct scene scene = {0};
-    struct force_request request = {.scene = arguments->cli.scene,
+    struct force_request request = {.scene = &scene,
                                     .input = arguments->input,
                                     .previous = arguments->previous,
                                     .output = arguments->cli.output,

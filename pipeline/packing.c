@@ -99,7 +99,7 @@ static int check_contacts(const char *path, const struct packing *packing)
 static int read_walls(const struct state *state, struct walls *walls)
 {
     static const char *const required[] = {"name", "x0", "y0", "x1", "y1", "radius", NULL};
-    if (!state_has(state, "walls"))
+    if (state_has(state, "walls") == 0)
         return 0;
     return state_read(state, "walls", &WALLS, required, walls) || table_add(&WALLS, walls, "fx") ||
                    table_add(&WALLS, walls, "fy") || table_add(&WALLS, walls, "flags")

@@ -35,6 +35,17 @@ static void remove_members(cJSON *root, const char *stage)
     cJSON_DeleteItemFromObjectCaseSensitive(cJSON_GetObjectItemCaseSensitive(root, "photos"), "last");
 }
 
+size_t scene_part_files(const struct scene *scene, const char *stage, const char *paths[2])
+{
+    size_t count = 0;
+    int contacts = !strcmp(stage, "contacts");
+    if (scene->lens && (contacts || !strcmp(stage, "tracker")))
+        paths[count++] = scene->lens;
+    if (scene->loads && contacts)
+        paths[count++] = scene->loads;
+    return count;
+}
+
 char *scene_part(const struct scene *scene, const char *stage)
 {
     cJSON *part = cJSON_Duplicate(json_root(scene->json), 1);

@@ -21,6 +21,21 @@ static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest
     return EVP_DigestFinal_ex(context, digest, NULL) ? 0 : error_failed("SHA-256 failed");
 }
 
+static void print_digest(const unsigned char digest[32], char text[65])
+{
+    for (int k = 0; k < 32; k++)
+        snprintf(text + 2 * k, 3, "%02x", digest[k]);
+}
+
+int text_sha256(const char *content, char text[65])
+{
+    unsigned char digest[32];
+    if (!EVP_Digest(content, strlen(content), digest, NULL, EVP_sha256(), NULL))
+        return error_failed("SHA-256 failed");
+    print_digest(digest, text);
+    return 0;
+}
+
 int file_sha256(const char *path, char text[65])
 {
     unsigned char digest[32] = {0};
@@ -33,7 +48,6 @@ int file_sha256(const char *path, char text[65])
     fclose(stream);
     if (failed)
         return error_context("%s", path);
-    for (int k = 0; k < 32; k++)
-        snprintf(text + 2 * k, 3, "%02x", digest[k]);
+    print_digest(digest, text);
     return 0;
 }

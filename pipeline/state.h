@@ -6,6 +6,8 @@
 
 #include "pipeline/columns.h"
 
+struct scene;
+
 /* A number, or a few, of the state as a whole: an attribute of the group /state; the name ends with the unit. */
 struct state_number {
     const char *name;
@@ -15,9 +17,11 @@ struct state_number {
 
 /* Where the numbers of a file come from. All strings are borrowed by state_create(). */
 struct provenance {
-    const char *stage;              /* "findgrains" ... */
-    const char *parameters;         /* JSON text of what changes numbers; no threads, no paths */
-    const char *const *input_paths; /* files read; base name and SHA-256 go into the file */
+    const char *stage;         /* "findgrains" ... */
+    const char *parameters;    /* JSON text of what changes numbers; no threads, no paths */
+    const struct scene *scene; /* NULL: none was read. Its part for this stage and the files that the stage reads */
+                               /* because the scene names them (lens, loads) are inputs, too */
+    const char *const *input_paths; /* further files that were read; base name and SHA-256 go into the file */
     size_t input_count;
     int64_t index;                      /* of the photo in its series; -1: not known */
     double time_s;                      /* since the first photo; NaN: not known */
@@ -57,7 +61,7 @@ struct state;
 struct state *state_open(const char *path); /* refuses other schemas, newer major versions, external links */
 void state_close(struct state *state);      /* NULL is fine */
 int state_read_info(const struct state *state, struct state_info *info);
-int state_has(const struct state *state, const char *group); /* 1 or 0 */
+int state_has(const struct state *state, const char *group); /* 1, 0, or -1: damaged */
 /* Read every known column that the group has; a column in `required` (NULL-terminated; NULL: none) that is missing,
  * and any wrong type, rank or length, is an error that names the file and the column. A table of 0 rows is fine. */
 int state_read(const struct state *state, const char *group, const struct table_kind *kind,
@@ -69,7 +73,8 @@ int state_read_text(const struct state *state, const char *group, const char *at
 int state_read_numbers(const struct state *state, const char *group, const char *attribute, double *values,
                        size_t count);
 
-/* SHA-256 of a file as 64 hexadecimal digits. */
+/* SHA-256 of a file, of a text, as 64 hexadecimal digits. */
 int file_sha256(const char *path, char digest[65]);
+int text_sha256(const char *text, char digest[65]);
 
 #endif

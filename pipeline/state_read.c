@@ -20,14 +20,21 @@ enum { LONGEST_TEXT = 16 << 20 };
 
 /* ---- finding objects ---- */
 
-/* 1: there, by a hard link; 0: absent; -1: a link that leads elsewhere. */
+static int damaged(const struct state *state, const char *name)
+{
+    return error_input("%s: damaged at '%s': make the file again", state->path, name);
+}
+
+/* 1: there, by a hard link; 0: absent; -1: a link that leads elsewhere, or damage: what cannot be looked up is not
+ * absent. */
 static int look(const struct state *state, hid_t parent, const char *name)
 {
     H5L_info_t link;
-    if (H5Lexists(parent, name, H5P_DEFAULT) <= 0)
+    htri_t exists = H5Lexists(parent, name, H5P_DEFAULT);
+    if (exists == 0)
         return 0;
-    if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0)
-        return error_input("%s: damaged at '%s': make the file again", state->path, name);
+    if (exists < 0 || H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0)
+        return damaged(state, name);
     if (link.type != H5L_TYPE_HARD)
         return error_input("%s: '%s' is a soft or external link: put the data into the file itself", state->path, name);
     return 1;
@@ -78,10 +85,10 @@ static hid_t open_group(const struct state *state, const char *path)
 int state_has(const struct state *state, const char *path)
 {
     hid_t group = -1;
-    if (find_group(state, path, &group) != 1)
-        return 0;
-    H5Gclose(group);
-    return 1;
+    int found = find_group(state, path, &group);
+    if (found == 1)
+        H5Gclose(group);
+    return found;
 }
 
 struct names {
@@ -119,10 +126,16 @@ static char **pack_groups(hid_t group, const struct names *names, size_t *count)
     char *text = (char *)(packed + names->count + 1);
     *count = 0;
     for (size_t k = 0; k < names->count; k++) {
-        hid_t child = H5Gopen2(group, names->list[k], H5P_DEFAULT);
-        if (child < 0)
+        hid_t child = H5Oopen(group, names->list[k], H5P_DEFAULT);
+        H5I_type_t type = child >= 0 ? H5Iget_type(child) : H5I_BADID;
+        if (child >= 0)
+            H5Oclose(child);
+        if (type == H5I_BADID) {
+            free(packed);
+            return NULL;
+        }
+        if (type != H5I_GROUP)
             continue;
-        H5Gclose(child);
         packed[(*count)++] = text;
         text = stpcpy(text, names->list[k]) + 1;
     }
@@ -336,12 +349,13 @@ static int open_attribute(const struct state *state, const char *group, const ch
     int found = find_group(state, group, &place);
     if (found != 1)
         return found;
-    found = H5Aexists(place, name) > 0;
-    if (found) {
+    htri_t exists = H5Aexists(place, name);
+    if (exists > 0)
         *attribute = H5Aopen(place, name, H5P_DEFAULT);
-        if (*attribute < 0)
-            found = error_input("%s: attribute '%s' is damaged: make the file again", state->path, name);
-    }
+    if (exists < 0 || (exists > 0 && *attribute < 0))
+        found = error_input("%s: attribute '%s' is damaged: make the file again", state->path, name);
+    else
+        found = exists > 0;
     H5Gclose(place);
     return found;
 }

@@ -9,6 +9,7 @@
 #include <cjson/cJSON.h>
 
 #include "pipeline/error.h"
+#include "pipeline/scene_part.h"
 #include "pipeline/state_hdf.h"
 
 enum { CHUNK_ROWS = 65536, LONGEST_FIXED_TEXT = 32000 };
@@ -274,26 +275,47 @@ static int write_integer(struct state_writer *writer, const char *attribute, int
 
 /* ---- provenance ---- */
 
-/* JSON array of {name, sha256}; to be freed. */
+static int add_input(cJSON *array, const char *path, const char *part, const char digest[65])
+{
+    cJSON *input = cJSON_CreateObject();
+    cJSON_AddItemToArray(array, input);
+    cJSON_AddStringToObject(input, "name", basename(path));
+    if (part)
+        cJSON_AddStringToObject(input, "part", part);
+    cJSON_AddStringToObject(input, "sha256", digest);
+    return 0;
+}
+
+static int add_file(cJSON *array, const char *path)
+{
+    char digest[65];
+    return file_sha256(path, digest) ? -1 : add_input(array, path, NULL, digest);
+}
+
+/* The hash is that of the stage's part of the scene: what is written elsewhere in it changes nothing here. */
+static int add_scene(cJSON *array, const struct scene *scene, const char *stage)
+{
+    char digest[65], *part = scene_part(scene, stage);
+    const char *paths[2];
+    int result = part && !text_sha256(part, digest) ? add_input(array, scene->path, stage, digest) : -1;
+    free(part);
+    size_t count = result ? 0 : scene_part_files(scene, stage, paths);
+    for (size_t k = 0; k < count && result == 0; k++)
+        result = add_file(array, paths[k]);
+    return result;
+}
+
+/* JSON array of {name, sha256}, the scene's with the name of the part; to be freed. */
 static char *describe_inputs(const struct provenance *provenance)
 {
     cJSON *array = cJSON_CreateArray();
     char *text = NULL;
-    for (size_t k = 0; k < provenance->input_count; k++) {
-        char digest[65];
-        if (file_sha256(provenance->input_paths[k], digest)) {
-            cJSON_Delete(array);
-            return NULL;
-        }
-        cJSON *input = cJSON_CreateObject();
-        cJSON_AddItemToArray(array, input);
-        cJSON_AddStringToObject(input, "name", basename(provenance->input_paths[k]));
-        cJSON_AddStringToObject(input, "sha256", digest);
-    }
-    text = cJSON_PrintUnformatted(array);
-    cJSON_Delete(array);
-    if (!text)
+    int result = provenance->scene ? add_scene(array, provenance->scene, provenance->stage) : 0;
+    for (size_t k = 0; k < provenance->input_count && result == 0; k++)
+        result = add_file(array, provenance->input_paths[k]);
+    if (result == 0 && !(text = cJSON_PrintUnformatted(array)))
         (void)error_memory("the list of inputs");
+    cJSON_Delete(array);
     return text;
 }
 

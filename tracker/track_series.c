@@ -84,15 +84,14 @@ static void series_close(struct series *series)
 static int write_tracks(const struct series *series, const char *photo, const char *previous, const char *path,
                         const struct tracks *tracks)
 {
-    const char *inputs[5] = {series->paths->grains, series->paths->reference, photo};
+    const char *inputs[4] = {series->paths->grains, series->paths->reference, photo};
     size_t input_count = 3;
-    if (series->scene->lens)
-        inputs[input_count++] = series->scene->lens;
     if (previous)
         inputs[input_count++] = previous;
     struct provenance provenance = PROVENANCE_DEFAULT;
     provenance.stage = "tracker";
     provenance.parameters = series->parameters;
+    provenance.scene = series->scene;
     provenance.input_paths = inputs;
     provenance.input_count = input_count;
     provenance.index = scene_photo_index(series->scene, photo);

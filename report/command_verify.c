@@ -1,0 +1,65 @@
+/* report verify: options, read, call. */
+#include <stdio.h>
+
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+#include "pipeline/scene.h"
+#include "report/commands.h"
+#include "report/verify.h"
+
+struct options {
+    struct cli cli;
+    struct cli_inputs files;
+};
+
+static const char documentation[] =
+    "Read state files whole (every column has a checksum) and compare the SHA-256 of everything that each one was made "
+    "from with what lies on the disk now: state files beside it, photos, lens and loads of the scene, and the part of "
+    "the scene that the stage reads. Prints one line per difference; status 3 when there is one.\v"
+    "Example:\n"
+    "  report verify --scene scene.json results/*.hdf";
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->cli;
+        return 0;
+    case ARGP_KEY_ARG:
+        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "give the state files to verify");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int run(const struct options *options)
+{
+    struct scene scene = {0};
+    struct verify_count found = {0};
+    int result = scene_read(options->cli.scene, &scene);
+    if (result == 0)
+        result = verify_files(&scene, options->files.paths, options->files.count, stdout, &found);
+    if (result == 0 && found.wrong)
+        result = error_input("%zu of %zu inputs of %zu files are not as recorded: make the files named above again",
+                             found.wrong, found.inputs, found.files);
+    else if (result == 0 && !options->cli.quiet)
+        printf("%zu files, %zu inputs: all as recorded\n", found.files, found.inputs);
+    scene_free(&scene);
+    return result;
+}
+
+int command_verify(int argc, char **argv)
+{
+    const struct argp_child children[] = {CLI_CHILD, {0}};
+    const struct argp parser = {NULL, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
+    struct options options = {.cli = CLI_DEFAULT};
+    options.cli.needs = CLI_NEEDS_SCENE;
+    cli_parse(&parser, argc, argv, &options);
+    int status = cli_finish(&options.cli, run(&options));
+    cli_inputs_free(&options.files);
+    return status;
+}

@@ -1,0 +1,152 @@
+#include "report/verify.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "pipeline/error.h"
+#include "pipeline/scene_part.h"
+#include "pipeline/state.h"
+#include "report/loaded.h"
+
+/* Photos and tracks are inputs of many files: each is read once. */
+struct known {
+    char *path;
+    char digest[65];
+};
+
+struct verify {
+    const struct scene *scene;
+    FILE *stream;
+    struct known *known;
+    size_t known_count;
+    struct verify_count count;
+};
+
+static const char *digest_of(struct verify *verify, const char *path)
+{
+    for (size_t k = 0; k < verify->known_count; k++)
+        if (!strcmp(verify->known[k].path, path))
+            return verify->known[k].digest;
+    struct known *known = realloc(verify->known, (verify->known_count + 1) * sizeof *known), *last;
+    if (known)
+        verify->known = known;
+    if (!known || !(known[verify->known_count].path = strdup(path))) {
+        (void)error_memory("the list of hashes");
+        return NULL;
+    }
+    last = &known[verify->known_count++];
+    return file_sha256(path, last->digest) ? NULL : last->digest;
+}
+
+/* ---- where an input lies ---- */
+
+static char *join(const char *folder, size_t length, const char *name)
+{
+    char *path = NULL;
+    if (asprintf(&path, "%.*s%s", (int)length, folder, name) < 0)
+        return NULL;
+    return path;
+}
+
+/* Path of the file of that name, to be freed; NULL: nowhere, or out of memory. */
+static char *find_input(const struct verify *verify, const char *state_path, const char *name)
+{
+    const struct scene *scene = verify->scene;
+    size_t folder = (size_t)(basename(state_path) - state_path);
+    char *path = join(state_path, folder, name);
+    if (!path || !access(path, F_OK))
+        return path;
+    free(path);
+    long index = scene_photo_index(scene, name);
+    if (index >= 0)
+        return scene_photo_path(scene, index);
+    if (scene->lens && !strcmp(basename(scene->lens), name))
+        return strdup(scene->lens);
+    if (scene->loads && !strcmp(basename(scene->loads), name))
+        return strdup(scene->loads);
+    return NULL;
+}
+
+/* ---- one file ---- */
+
+static void complain(struct verify *verify, const char *path, const char *name, const char *what)
+{
+    fprintf(verify->stream, "%s: %s %s\n", path, name, what);
+    verify->count.wrong++;
+}
+
+static int verify_part(struct verify *verify, const char *path, const char *name, const char *part,
+                       const char *recorded)
+{
+    char digest[65], *text = scene_part(verify->scene, part);
+    int result = text ? text_sha256(text, digest) : -1;
+    free(text);
+    if (result == 0 && strcmp(digest, recorded))
+        complain(verify, path, name, "says something else for this stage than when the file was made");
+    return result;
+}
+
+static int verify_input(struct verify *verify, const char *path, const char *name, const char *recorded)
+{
+    char *input = find_input(verify, path, name);
+    const char *digest = input && !access(input, R_OK) ? digest_of(verify, input) : "";
+    if (digest && !*digest)
+        complain(verify, path, name, "is not there any more");
+    else if (digest && strcmp(digest, recorded))
+        complain(verify, path, name, "is not what the file was made from");
+    free(input);
+    return digest ? 0 : -1;
+}
+
+static int verify_inputs(struct verify *verify, const char *path, const struct state_info *info)
+{
+    struct json *json = json_parse(info->inputs, strlen(info->inputs), path);
+    const cJSON *input;
+    int result = json ? 0 : -1;
+    if (json)
+        cJSON_ArrayForEach(input, json_root(json))
+        {
+            const char *name = NULL, *part = NULL, *recorded = NULL;
+            if (result)
+                break;
+            verify->count.inputs++;
+            if (json_string(json, input, "name", &name) != 1 || json_string(json, input, "sha256", &recorded) != 1)
+                result = error_input("%s: its list of inputs is not readable: make the file again", path);
+            else if (json_string(json, input, "part", &part) == 1)
+                result = verify_part(verify, path, name, part, recorded);
+            else
+                result = verify_input(verify, path, name, recorded);
+        }
+    json_free(json);
+    return result;
+}
+
+static int verify_file(struct verify *verify, const char *path)
+{
+    struct loaded loaded;
+    verify->count.files++;
+    if (loaded_read(path, &loaded)) {
+        fprintf(verify->stream, "%s\n", error_message());
+        verify->count.wrong++;
+        error_clear();
+        return 0;
+    }
+    const struct state_info *info = loaded_info(&loaded);
+    int result = info->inputs ? verify_inputs(verify, path, info) : 0;
+    loaded_free(&loaded);
+    return result;
+}
+
+int verify_files(const struct scene *scene, char *const paths[], size_t count, FILE *stream, struct verify_count *found)
+{
+    struct verify verify = {.scene = scene, .stream = stream};
+    int result = 0;
+    for (size_t k = 0; k < count && result == 0; k++)
+        result = verify_file(&verify, paths[k]);
+    for (size_t k = 0; k < verify.known_count; k++)
+        free(verify.known[k].path);
+    free(verify.known);
+    *found = verify.count;
+    return result;
+}
