@@ -170,7 +170,7 @@ static void grain_loads(const struct dem *dem, struct dem_grain *g)
 {
     g->fx = g->load_x + g->mass * dem->gravity.x;
     g->fy = g->load_y + g->mass * dem->gravity.y;
-    g->moment = 0;
+    g->moment = g->load_m;
 }
 
 static void scatter(struct dem *dem, struct instant now)

@@ -26,6 +26,7 @@ struct dem_grain {
     double radius;         /* m */
     double mass, inertia;  /* kg, kg m2 */
     double load_x, load_y; /* N: from outside, without gravity */
+    double load_m;         /* N m: from outside */
     double lost;           /* J: by friction and dashpots at its contacts with later grains and walls */
     int fixed;             /* 1: does not move */
 };

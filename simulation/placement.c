@@ -118,7 +118,7 @@ static int placement_by_hand(const struct simulation *simulation, struct dem *de
         struct dem_grain *grain = &dem->grains[k];
         grain_give(grain, disc->radius, simulation);
         grain->x = disc->x, grain->y = disc->y;
-        grain->load_x = disc->load_x, grain->load_y = disc->load_y;
+        grain->load_x = disc->load_x, grain->load_y = disc->load_y, grain->load_m = disc->load_m;
         grain->fixed = disc->fixed;
     }
     dem->box.given = !isnan(simulation->box[0]);

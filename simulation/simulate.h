@@ -28,6 +28,7 @@ struct placed_disc {
     double x, y, radius;   /* m */
     double load_x, load_y; /* N */
     int fixed;
+    double load_m; /* N m, counter-clockwise */
 };
 
 /* So many saved states, each this much further. What `amount` is depends on the test: strain (compression positive, of

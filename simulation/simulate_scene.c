@@ -61,7 +61,7 @@ static int read_grading(const struct scene *scene, const cJSON *section, struct 
 /* One disc: {"x_m": 0, "y_m": 0, "radius_m": 0.01, "fixed": true, "load_N": [0, -10]}. */
 static int read_disc(const struct json *json, const cJSON *item, struct placed_disc *disc)
 {
-    static const char *const keys[] = {"x_m", "y_m", "radius_m", "fixed", "load_N", NULL};
+    static const char *const keys[] = {"x_m", "y_m", "radius_m", "fixed", "load_N", "moment_N_m", NULL};
     double load[2] = {0};
     if (!cJSON_IsObject(item))
         return json_error(json, item, "a disc is an object: write {\"x_m\": 0, \"y_m\": 0, \"radius_m\": 0.01}");
@@ -71,7 +71,8 @@ static int read_disc(const struct json *json, const cJSON *item, struct placed_d
     int y = x < 0 ? -1 : json_number(json, item, "y_m", -1e6, 1e6, &disc->y);
     int radius = y < 0 ? -1 : json_number(json, item, "radius_m", 1e-9, 1e6, &disc->radius);
     if (radius < 0 || json_boolean(json, item, "fixed", &disc->fixed) < 0 ||
-        json_numbers(json, item, "load_N", 2, load) < 0)
+        json_numbers(json, item, "load_N", 2, load) < 0 ||
+        json_number(json, item, "moment_N_m", -1e12, 1e12, &disc->load_m) < 0)
         return -1;
     if (!x || !y || !radius)
         return json_error(json, item, "a disc needs x_m, y_m and radius_m");

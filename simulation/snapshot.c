@@ -45,7 +45,7 @@ static int write_grains(const struct dem *dem, struct grains *grains)
         return -1;
     int loaded = dem->gravity.x != 0 || dem->gravity.y != 0;
     for (size_t k = 0; k < dem->count; k++)
-        loaded |= dem->grains[k].load_x != 0 || dem->grains[k].load_y != 0;
+        loaded |= dem->grains[k].load_x != 0 || dem->grains[k].load_y != 0 || dem->grains[k].load_m != 0;
     for (int c = 0; loaded && c < 3; c++)
         if (table_add(&GRAINS, grains, loads[c]))
             return -1;
@@ -61,7 +61,7 @@ static int write_grains(const struct dem *dem, struct grains *grains)
         if (loaded) {
             grains->load_x[k] = g->load_x + g->mass * dem->gravity.x;
             grains->load_y[k] = g->load_y + g->mass * dem->gravity.y;
-            grains->load_m[k] = 0;
+            grains->load_m[k] = g->load_m;
         }
     }
     return 0;
@@ -284,7 +284,7 @@ static int write_residuals(const struct packing *packing, struct forces *forces)
     for (size_t k = 0; k < grains->count; k++) {
         residual->residual_x[k] = grains->load_x ? grains->load_x[k] : 0;
         residual->residual_y[k] = grains->load_y ? grains->load_y[k] : 0;
-        residual->residual_m[k] = 0;
+        residual->residual_m[k] = grains->load_m ? grains->load_m[k] : 0;
     }
     for (size_t c = 0; c < contacts->count; c++) {
         struct vec n = vec(contacts->nx[c], contacts->ny[c]), at = vec(contacts->x[c], contacts->y[c]);

@@ -242,7 +242,7 @@ static void a_grain_is_wedged_between_a_disc_and_a_wall(void **state)
     (void)state;
     for (int corner = 0; corner < 4; corner++) {
         double mx = corner % 2 ? -1 : 1, my = corner / 2 ? -1 : 1;
-        struct placed_disc grain = {mx > 0 ? 0.061 : 0.239, my > 0 ? 0.011 : 0.189, 0.01, -10 * mx, -5 * my, 0};
+        struct placed_disc grain = {mx > 0 ? 0.061 : 0.239, my > 0 ? 0.011 : 0.189, 0.01, -10 * mx, -5 * my, 0, 0};
         struct simulation simulation = one_grain(&grain);
         struct wedge wedge = {0, mx, my};
         check_done(simulate(&simulation, check_wedge, &wedge));
@@ -300,7 +300,7 @@ static int not_called(const struct packing *packing, const struct simulation_sta
 static void bad_corners_are_refused(void **state)
 {
     (void)state;
-    struct placed_disc grain = {0.05, 0.02, 0.01, 0, -5, 0};
+    struct placed_disc grain = {0.05, 0.02, 0.01, 0, -5, 0, 0};
     struct simulation simulation = one_grain(&grain); /* on the disc */
     assert_int_equal(simulate(&simulation, not_called, NULL), -1);
     assert_non_null(strstr(error_message(), "corner disc"));

@@ -282,14 +282,16 @@ static void every_law_comes_to_rest(void **state)
     }
 }
 
-/* Discs 1 and 2 fixed, disc 3 lies on both, 45 degrees: docs/theory.md section 2, P = 1530 N. Sticking needs more friction
- * than there is, so ft = mu fn and fn = P / (2 (sin a + mu cos a)); the overlap of 1e-3 R changes the angle a little.
+/* Discs 1 and 2 fixed, disc 3 lies on both, 45 degrees: docs/theory.md section 2, P = 1530 N. Sticking needs more
+ * friction than there is, so ft = mu fn and fn = P / (2 (sin a + mu cos a)); the overlap of 1e-3 R changes the angle a
+ * little.
  */
 static void three_discs(void **state)
 {
     (void)state;
     double half = 0.01 / sqrt(2.0);
-    struct placed_disc discs[] = {{-half, 0, 0.005, 0, 0, 1}, {half, 0, 0.005, 0, 0, 1}, {0, half, 0.005, 0, -1530, 0}};
+    struct placed_disc discs[] = {
+        {-half, 0, 0.005, 0, 0, 1, 0}, {half, 0, 0.005, 0, 0, 1, 0}, {0, half, 0.005, 0, -1530, 0, 0}};
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.discs = discs;
     simulation.disc_count = 3;
@@ -306,7 +308,7 @@ static void a_column_under_gravity(void **state)
 {
     (void)state;
     struct placed_disc discs[] = {
-        {0.05, 0.01, 0.01, 0, 0, 0}, {0.05, 0.0299, 0.01, 0, 0, 0}, {0.05, 0.0501, 0.01, 0, 0, 0}};
+        {0.05, 0.01, 0.01, 0, 0, 0, 0}, {0.05, 0.0299, 0.01, 0, 0, 0, 0}, {0.05, 0.0501, 0.01, 0, 0, 0, 0}};
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.discs = discs;
     simulation.disc_count = 3;
@@ -325,7 +327,7 @@ static void a_column_under_gravity(void **state)
 static void misplaced_discs_are_refused(void **state)
 {
     (void)state;
-    struct placed_disc discs[] = {{0, 0, 0.01, 0, 0, 1}, {0.0199, 0, 0.01, 0, 0, 1}};
+    struct placed_disc discs[] = {{0, 0, 0.01, 0, 0, 1, 0}, {0.0199, 0, 0.01, 0, 0, 1, 0}};
     struct simulation simulation = SIMULATION_DEFAULT;
     struct records records = {0};
     simulation.discs = discs;
