@@ -1,6 +1,7 @@
 #include "calibration/friction.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "pipeline/error.h"
 
@@ -46,5 +47,88 @@ int friction_estimate(const struct friction_test *tests, size_t count, struct fr
     friction->s_phi = count > 1 ? sqrt(variance / (n - 1)) : NAN;
     friction->mu = tan(mean);
     friction->s_mu = (1 + friction->mu * friction->mu) * friction->s_phi;
+    return 0;
+}
+
+/* ---- mobilised friction ---- */
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorted |ft| / fn of the contacts that carry. */
+static size_t ratios(const double *fn, const double *ft, size_t count, double *ratio)
+{
+    double mean = 0;
+    size_t carrying = 0, n = 0;
+    for (size_t k = 0; k < count; k++)
+        if (isfinite(fn[k]) && fn[k] > 0) {
+            mean += fn[k];
+            carrying++;
+        }
+    mean /= (double)(carrying ? carrying : 1);
+    for (size_t k = 0; k < count; k++)
+        if (isfinite(fn[k]) && isfinite(ft[k]) && fn[k] > 0 && fn[k] >= MOBILISED_LEAST_FORCE * mean)
+            ratio[n++] = fabs(ft[k]) / fn[k];
+    qsort(ratio, n, sizeof *ratio, by_value);
+    return n;
+}
+
+/* How many lie in [low, high). */
+static size_t between(const double *sorted, size_t n, double low, double high)
+{
+    size_t ends[2];
+    for (int e = 0; e < 2; e++) {
+        size_t a = 0, b = n;
+        double edge = e ? high : low;
+        while (a < b) {
+            size_t middle = (a + b) / 2;
+            if (sorted[middle] < edge)
+                a = middle + 1;
+            else
+                b = middle;
+        }
+        ends[e] = a;
+    }
+    return ends[1] - ends[0];
+}
+
+/* How sharply the distribution ends at m: what lies within w below against what lies within w above, in standard
+ * deviations; nothing where more than a seventh goes on above. */
+static double edge(const double *sorted, size_t n, double m, double w, size_t *below)
+{
+    double past = nextafter(m, INFINITY), above = (double)between(sorted, n, past, past + w);
+    *below = between(sorted, n, past - w, past);
+    double under = (double)*below;
+    return above <= under / 7 ? (under - above) / sqrt(under + above + 1) : -INFINITY;
+}
+
+int friction_mobilised(const double *fn, const double *ft, size_t count, struct mobilised *mobilised)
+{
+    static const double WIDTHS[] = {0.01, 0.02, 0.03, 0.05}, SHARES[] = {0.1, 0.5, 0.9, 0.95, 0.99};
+    enum { WIDTH_COUNT = 4 };
+    double *ratio = malloc((count + 1) * sizeof *ratio);
+    *mobilised = (struct mobilised){.mu = NAN, .significance = -INFINITY};
+    if (!ratio)
+        return error_memory("mobilised friction");
+    size_t n = ratios(fn, ft, count, ratio), below;
+    for (int w = 0; w < WIDTH_COUNT; w++)
+        for (size_t k = 0; k < n; k++) {
+            double here = edge(ratio, n, ratio[k], WIDTHS[w], &below);
+            if (here <= mobilised->significance)
+                continue;
+            *mobilised = (struct mobilised){.mu = ratio[k], .width = WIDTHS[w], .sliding = below, .significance = here};
+            mobilised->s_mu = WIDTHS[w] / (double)below;
+        }
+    mobilised->contacts = n;
+    for (int q = 0; q < 5; q++)
+        mobilised->quantile[q] = n ? ratio[(size_t)(SHARES[q] * (double)(n - 1))] : NAN;
+    free(ratio);
+    if (!(mobilised->significance >= MOBILISED_SIGNIFICANT))
+        return error_input("%zu contacts, and |ft| / fn ends nowhere sharply: too few of them are near sliding: take "
+                           "states that are sheared more, or more of them",
+                           n);
     return 0;
 }

@@ -25,4 +25,19 @@ struct friction {
 /* Mean over tests. An error names the test (counted from 1). */
 int friction_estimate(const struct friction_test *tests, size_t count, struct friction *friction);
 
+/* The friction coefficient from contact forces: |ft| / fn of the contacts ends sharply at mu where some are about to
+ * slide. */
+struct mobilised {
+    double mu, s_mu;     /* where it ends; mean distance of the last contacts */
+    double width;        /* of the piece below the end that was looked at */
+    size_t sliding;      /* contacts in it */
+    size_t contacts;     /* all that were looked at */
+    double significance; /* of the end: standard deviations */
+    double quantile[5];  /* |ft| / fn at 10, 50, 90, 95, 99 % of the contacts */
+};
+#define MOBILISED_LEAST_FORCE 0.3 /* contacts with less than this share of the mean fn are too noisy */
+#define MOBILISED_SIGNIFICANT 4.0
+/* fn, ft of any number of contacts of one or more states (NaN: left out). Error (EXIT_INPUT): no such end. */
+int friction_mobilised(const double *fn, const double *ft, size_t count, struct mobilised *mobilised);
+
 #endif

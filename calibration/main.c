@@ -13,6 +13,7 @@ static const struct command {
     {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
     {"scale", "calibration scale", command_scale, "metres per pixel from known lengths"},
     {"stiffness", "calibration stiffness", command_stiffness, "normal stiffness from a test on two rods"},
+    {"rescale", "calibration rescale", command_rescale, "stiffness from the stresses of a whole series"},
     {"friction", "calibration friction", command_friction, "friction between grains from three-rod tests"},
     {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli, closed form"},
 };
