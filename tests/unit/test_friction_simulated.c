@@ -55,8 +55,8 @@ static void three_rods_slide_at_their_mu(void **state)
     }
 }
 
-static const struct grade GRADING[] = {{60, 8e-3}, {40, 12e-3}};
-static const struct loading_steps STEPS[] = {{4, 4e-3}};
+static const struct grade GRADING[] = {{150, 8e-3}, {100, 12e-3}};
+static const struct loading_steps STEPS[] = {{5, 4e-3}};
 
 static void sheared_packing(struct kept_states *kept, double mu)
 {
@@ -98,13 +98,13 @@ static void forces_end_at_mu(void **state)
     for (int m = 0; m < 2; m++) {
         struct kept_states kept = {0};
         struct mobilised mobilised;
-        double fn[4000], ft[4000];
+        double fn[8000], ft[8000];
         sheared_packing(&kept, mus[m]);
         size_t n = gather(&kept, 0, fn, ft);
-        assert_in_range(n, 100, 4000);
+        assert_in_range(n, 100, 8000);
         check_done(friction_mobilised(fn, ft, n, &mobilised));
         check_near(mobilised.mu / mus[m], 1, 1e-3);
-        n = gather(&kept, 0.002, fn, ft);
+        n = gather(&kept, 0.001, fn, ft);
         check_done(friction_mobilised(fn, ft, n, &mobilised));
         check_near(mobilised.mu / mus[m], 1, 0.03);
         kept_free(&kept);
