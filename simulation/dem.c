@@ -22,6 +22,46 @@ int dem_alloc(struct dem *dem, size_t count)
     return 0;
 }
 
+/* A copy of `count` elements of `size` bytes with room for `room`; NULL stays NULL. */
+static void *copy_of(const void *from, size_t count, size_t room, size_t size, int *failed)
+{
+    if (!from)
+        return NULL;
+    void *to = malloc((room + 1) * size);
+    if (!to)
+        *failed = 1;
+    else
+        memcpy(to, from, count * size);
+    return to;
+}
+
+int dem_copy(const struct dem *from, struct dem *to)
+{
+    int failed = 0;
+    size_t n = from->count, grain_pairs = from->first[n];
+    *to = *from;
+    to->grains = copy_of(from->grains, n, n, sizeof *to->grains, &failed);
+    to->pairs = copy_of(from->pairs, from->pair_count, from->pair_capacity, sizeof *to->pairs, &failed);
+    to->pair_law = copy_of(from->pair_law, from->pair_count, from->pair_capacity, sizeof *to->pair_law, &failed);
+    to->first = copy_of(from->first, n + 1, n + 1, sizeof *to->first, &failed);
+    to->wall_first = copy_of(from->wall_first, n + 1, n + 1, sizeof *to->wall_first, &failed);
+    to->back_first = copy_of(from->back_first, n + 2, n + 2, sizeof *to->back_first, &failed);
+    to->back = copy_of(from->back, grain_pairs, grain_pairs, sizeof *to->back, &failed);
+    to->searched_at = copy_of(from->searched_at, n, n + 1, sizeof *to->searched_at, &failed);
+    if (!failed)
+        return 0;
+    dem_free(to);
+    return error_memory("a copy of the packing");
+}
+
+void dem_change_law(struct dem *dem, const struct contact_law *law)
+{
+    dem->law = *law;
+    dem->searched_size[BOX_WIDTH] = -INFINITY; /* as if the box had been elsewhere at the last search */
+    for (size_t k = 0; k < dem->count; k++)
+        dem->searched_at[k].x = INFINITY;
+}
+
 void dem_free(struct dem *dem)
 {
     free(dem->grains);

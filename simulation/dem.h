@@ -93,6 +93,10 @@ struct dem {
 
 int dem_alloc(struct dem *dem, size_t count);
 void dem_free(struct dem *dem);
+/* Another packing in the same state; `to` is empty before. */
+int dem_copy(const struct dem *from, struct dem *to);
+/* Another contact law for the same grains: pairs are made anew at the next forces, overlaps and histories stay. */
+void dem_change_law(struct dem *dem, const struct contact_law *law);
 
 /* Damping ratio of a linear spring and dashpot that is never pulled, for a normal restitution e in [0.14, 1]:
  * e = exp(-(pi - 2 a) tan a), ratio = sin a (the contact ends when its force vanishes, not its overlap). */

@@ -1,0 +1,210 @@
+/* The hybrid calibration of Hertz parameters in the plane (Qu et al.): what each method needs, on the paper's packings.
+ *
+ *     bench_hertz cases [GRAINS]    cases 1 and 3: E = 10 GPa; grains 1787 and 1655, or so many of each
+ *     bench_hertz both [GRAINS]     E and nu together: what a packing of discs can answer, and whether it is found
+ *     bench_hertz porosity [GRAINS] closed forms against discrete elements over the porosity (the paper's Figs 8, 9)
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "calibration/hertz.h"
+#include "calibration/hertz_probes.h"
+#include "pipeline/error.h"
+
+static const double TARGET = 1e10, PRESSURE = 1e6; /* N/m: per metre of rod */
+
+static int failed(void)
+{
+    fprintf(stderr, "bench_hertz: %s\n", error_message());
+    return 1;
+}
+
+static double seconds(void)
+{
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
+/* Radius 0.1 m: all alike, or evenly spread over 0.07 to 0.13 in seven sizes. */
+static size_t grading_of(int graded, long count, struct grade grading[7])
+{
+    if (!graded) {
+        grading[0] = (struct grade){count, 0.2};
+        return 1;
+    }
+    for (int g = 0; g < 7; g++)
+        grading[g] = (struct grade){count / 7 + (g < count % 7), 0.14 + 0.02 * g};
+    return 7;
+}
+
+static struct simulation packing_of(const struct grade *grading, size_t grades, double mu, uint64_t seed)
+{
+    struct simulation simulation = SIMULATION_DEFAULT;
+    simulation.seed = seed;
+    simulation.grading = grading;
+    simulation.grade_count = grades;
+    simulation.density = 2600;
+    simulation.length = NAN;
+    simulation.pressure = PRESSURE;
+    simulation.preparation_mu = mu;
+    simulation.law = (struct contact_law){.kind = LAW_HERTZ_PFC, .kt_over_kn = 1, .mu = mu};
+    return simulation;
+}
+
+struct variant {
+    const char *name;
+    enum hertz_method method;
+    int vary_poisson;
+    double rate;
+};
+
+static int run_variant(const char *name, const struct variant *variant, struct hertz_goal *goal,
+                       struct hertz_probes *probes)
+{
+    struct hertz_found found;
+    double begin = seconds(), first;
+    goal->method = variant->method;
+    goal->rate = variant->rate;
+    goal->vary_poisson = variant->vary_poisson;
+    if (hertz_search(goal, hertz_probes_evaluate, probes, &found))
+        return failed();
+    first = probes->record.rows[0].young;
+    printf("| %s | %s | %s | %+.1f %% | %d | %d | %+.2f %% | %.3f | %.4g | %.1f |\n", name, variant->name,
+           probes->cold ? "anew" : "warm", 100 * (first / TARGET - 1), found.iterations, found.probes,
+           100 * (found.best.young / TARGET - 1), found.best.poisson, found.best.grain_young, seconds() - begin);
+    fflush(stdout);
+    return 0;
+}
+
+/* All methods on one consolidated packing; the first probe is the same for all and made once. */
+static int run_case(const char *name, const struct simulation *simulation, int cold)
+{
+    static const struct variant variants[] = {{"Newton", HERTZ_NEWTON, 0, 0},
+                                              {"Adam, E*, rate 0.1", HERTZ_ADAM, 0, 0.1},
+                                              {"Adam, E*, rate 0.2", HERTZ_ADAM, 0, 0.2},
+                                              {"Adam, E* and nu*, rate 0.1", HERTZ_ADAM, 1, 0.1}};
+    struct hertz_goal goal = {.dimensions = HERTZ_2D,
+                              .young = TARGET,
+                              .grain_poisson = 0.2,
+                              .first_step = HERTZ_FIRST_STEP,
+                              .cost = HERTZ_COST,
+                              .most_probes = cold ? 16 : 48};
+    struct probe_options probe = PROBE_DEFAULT;
+    struct hertz_probes probes;
+    double begin = seconds();
+    if (hertz_probes_open(simulation, &probe, cold, NULL, &goal, &probes))
+        return failed();
+    if (!cold)
+        printf("| %s | consolidation | | | | | | | | %.1f |\n", name, seconds() - begin);
+    for (size_t v = 0; v < (cold ? 1 : sizeof variants / sizeof *variants); v++)
+        if (run_variant(name, &variants[v], &goal, &probes))
+            return 1;
+    hertz_probes_close(&probes);
+    return 0;
+}
+
+/* Probes made anew, packing and all, only where a size is asked for: they take the consolidation each. */
+static int cases(long grains)
+{
+    printf("| packing | method | probes made | E of the closed form | iterations | probes | E reached | nu | E*, N/m | "
+           "CPU "
+           "s |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (int graded = 0; graded < 2; graded++) {
+        struct grade grading[7];
+        char name[64];
+        long count = grains ? grains : graded ? 1655 : 1787;
+        size_t grades = grading_of(graded, count, grading);
+        struct simulation simulation = packing_of(grading, grades, 0.1, 1);
+        snprintf(name, sizeof name, "case %d: %ld %s", graded ? 3 : 1, count, graded ? "graded" : "alike");
+        for (int cold = 0; cold <= (grains > 0); cold++)
+            if (run_case(name, &simulation, cold))
+                return 1;
+    }
+    return 0;
+}
+
+/* nu over nu* at the E that is asked: the whole range that a packing can answer; then both methods on a target inside
+ * and on the paper's 0.2. */
+static int both(long grains)
+{
+    struct grade grading[7];
+    long count = grains ? grains : 1787;
+    size_t grades = grading_of(0, count, grading);
+    struct simulation simulation = packing_of(grading, grades, 0.1, 1);
+    struct probe_options probe = PROBE_DEFAULT;
+    struct hertz_goal goal = {.dimensions = HERTZ_2D, .young = TARGET, .grain_poisson = 0.2};
+    struct hertz_probes probes;
+    if (hertz_probes_open(&simulation, &probe, 0, NULL, &goal, &probes))
+        return failed();
+    printf("| nu* | E | nu |\n| --- | --- | --- |\n");
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k <= 5; k++) {
+        struct hertz_trial trial = {.grain_young = goal.grain_young, .grain_poisson = 0.1 * k};
+        if (hertz_probes_evaluate(&trial, 1, &probes))
+            return failed();
+        printf("| %.1f | %.4g | %.4f |\n", trial.grain_poisson, trial.young, trial.poisson);
+        low = fmin(low, trial.poisson), high = fmax(high, trial.poisson);
+    }
+    printf("\n| target nu | method | probes | iterations | E | nu | nu* | reached |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (int t = 0; t < 2; t++)
+        for (int method = HERTZ_NEWTON; method <= HERTZ_ADAM; method++) {
+            struct hertz_found found;
+            goal.poisson = t ? 0.2 : low + 0.6 * (high - low);
+            goal.fit_poisson = 1;
+            goal.method = (enum hertz_method)method;
+            goal.rate = 0.1, goal.first_step = HERTZ_FIRST_STEP, goal.cost = HERTZ_COST, goal.most_probes = 45;
+            if (hertz_search(&goal, hertz_probes_evaluate, &probes, &found))
+                return failed();
+            printf("| %.4f | %s | %d | %d | %+.2f %% | %.4f | %.3f | %s |\n", goal.poisson, HERTZ_METHODS[method],
+                   found.probes, found.iterations, 100 * (found.best.young / TARGET - 1), found.best.poisson,
+                   found.best.grain_poisson, found.reached ? "yes" : "no");
+            fflush(stdout);
+        }
+    hertz_probes_close(&probes);
+    return 0;
+}
+
+static int porosity(long grains)
+{
+    static const double mus[] = {0, 0.05, 0.1, 0.2, 0.3, 0.5};
+    struct grade grading[7];
+    size_t grades = grading_of(1, grains ? grains : 1655, grading);
+    printf(
+        "| friction of the compression | porosity | z | E, discrete | E, closed form | gap | nu, discrete | nu, closed "
+        "form |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (int m = 0; m < 6; m++) {
+        struct simulation simulation = packing_of(grading, grades, mus[m], 1);
+        struct probe_options probe = PROBE_DEFAULT;
+        struct probe_packing packing;
+        struct probe_result result;
+        double young = 5e12, nu = 0.2, kn, ks, closed, closed_nu;
+        simulation.law.young = young, simulation.law.poisson = nu;
+        simulation.law.kt_over_kn = 2 * (1 - nu) / (2 - nu);
+        if (probe_consolidate(&simulation, &packing) || probe_run(&packing, &probe, &result))
+            return failed();
+        struct hertz_packing equal = {HERTZ_2D, 0.5 * result.fabric.d50, result.fabric.volume_per_contact, PRESSURE};
+        hertz_stiffness(equal.radius, young / (2 * (1 + nu)), nu, hertz_mean_force(&equal), &kn, &ks);
+        hertz_moduli(&equal, kn, ks, &closed, &closed_nu);
+        printf("| %.2f | %.4f | %.3f | %.4g | %.4g | %+.1f %% | %.3f | %.3f |\n", mus[m], result.fabric.porosity,
+               result.fabric.z, result.young, closed, 100 * (closed / result.young - 1), result.poisson, closed_nu);
+        fflush(stdout);
+        probe_packing_free(&packing);
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    long grains = argc > 2 ? atol(argv[2]) : 0;
+    if (argc > 1 && !strcmp(argv[1], "cases"))
+        return cases(grains);
+    if (argc > 1 && !strcmp(argv[1], "both"))
+        return both(grains);
+    if (argc > 1 && !strcmp(argv[1], "porosity"))
+        return porosity(grains);
+    fputs("bench_hertz cases|both|porosity [GRAINS]\n", stderr);
+    return 2;
+}
