@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "tracker/kernel.h"
+#include "tracker/scatter.h"
 
 enum { SLACK = 2, BORDER = 2 }; /* px: loaded around the start; where the spline at the photo's border is not its own */
 
@@ -59,17 +60,23 @@ static void multiply_transposed(double a[3][3], double b[3][3], double product[3
             product[i][j] = a[i][0] * b[j][0] + a[i][1] * b[j][1] + a[i][2] * b[j][2];
 }
 
-/* The estimate solves Z'(photo - model) = 0: its covariance is s2 (1 + 1/gain^2) H^-1 Z'Z H^-T, H = Z'J. Slopes carry
- * the reference's noise, which adds to Z'Z as it adds to the scatter, but must be taken out of H. */
-static void set_covariance(const struct subset *subset, double variance, double gain, struct fit *fit)
+/* H^-1 of the reference without its noise: slopes carry it, and make H too large by noise_hessian. */
+static void clean_inverse(const struct subset *subset, double variance, double inverse[3][3])
 {
-    double clean[3][3], inverse[3][3], half[3][3], instrument[3][3];
+    double clean[3][3];
     memcpy(clean, subset->hessian, sizeof clean);
-    memcpy(instrument, subset->instrument, sizeof instrument);
     for (int i = 0; i < 3; i++)
         clean[i][i] -= fmin(variance * subset->noise_hessian[i], 0.5 * clean[i][i]);
     if (!subset_invert(clean, inverse))
-        memcpy(inverse, subset->inverse, sizeof inverse);
+        memcpy(inverse, subset->inverse, sizeof subset->inverse);
+}
+
+/* The estimate solves Z'(photo - model) = 0: its covariance is s2 (1 + 1/gain^2) H^-1 Z'Z H^-T, H = Z'J. */
+static void set_covariance(const struct subset *subset, double variance, double gain, struct fit *fit)
+{
+    double inverse[3][3], half[3][3], instrument[3][3];
+    memcpy(instrument, subset->instrument, sizeof instrument);
+    clean_inverse(subset, variance, inverse);
     multiply_transposed(inverse, instrument, half); /* the instrument is symmetric */
     multiply_transposed(half, inverse, fit->covariance);
     for (int i = 0; i < 3; i++)
@@ -77,20 +84,44 @@ static void set_covariance(const struct subset *subset, double variance, double 
             fit->covariance[i][j] *= variance * (1 + 1 / (gain * gain));
 }
 
-/* What the last sums say of the match. */
+/* Of photo - gain * reference - offset, over the subset. */
+static double residual_variance(const struct subset *subset, const struct kernel_sums *sums, double gain)
+{
+    double n = (double)subset->count, spread = sums->square - sums->one * sums->one / n;
+    return fmax(spread - gain * gain * subset->energy, 0) / (n - 6);
+}
+
+/* What the last sums say of the match; the covariance is that of white noise. */
 static void judge(const struct subset *subset, const struct kernel_sums *sums, enum bspline_order order,
                   struct fit *fit)
 {
     double n = (double)subset->count, spread = sums->square - sums->one * sums->one / n;
     double gain = sums->plane[SUBSET_GREY] / subset->energy;
-    double left = fmax(spread - gain * gain * subset->energy, 0) / (n - 6);
+    double left = residual_variance(subset, sums, gain);
     fit->gain = gain;
     fit->zncc = spread > 0 ? sums->plane[SUBSET_GREY] / sqrt(spread * subset->energy) : 0;
     if (!(gain > 0))
         return;
     double variance = left / (gain * gain + noise_gain(subset, &fit->motion, order));
     fit->noise = sqrt(variance);
+    fit->offset = sums->one / n;
+    fit->white = left > 0 ? variance * (1 + gain * gain) / left : 1;
     set_covariance(subset, variance, gain, fit);
+}
+
+/* The covariance from how the residual scatters over tiles (scatter.h). */
+static int measure_scatter(const struct subset *subset, const struct photo *photo, enum bspline_order order,
+                           struct patch *patch, struct fit *fit)
+{
+    struct scatter scatter;
+    if (!(fit->noise > 0))
+        return 0;
+    if (load_patch(&subset->shape, photo, &fit->motion, subset->mean, order, 0, patch) ||
+        scatter_measure(subset, patch, &fit->motion, fit->gain, fit->offset, fit->white, &scatter))
+        return -1;
+    fit->noise *= sqrt(1 - scatter.focus);
+    set_covariance(subset, fit->noise * fit->noise * scatter.ratio / fit->white, fit->gain, fit);
+    return 0;
 }
 
 double icgn_cubic_bias(double speckle)
@@ -111,7 +142,7 @@ static int needs_quintic(const struct subset *subset, const struct fit *fit)
 static int iterate(const struct subset *subset, const struct photo *photo, const struct icgn_options *options,
                    enum bspline_order order, int fresh, struct patch *patch, struct kernel_sums *sums, struct fit *fit)
 {
-    double step[3];
+    double step[3], inverse[3][3];
     fit->iterations++;
     if (load_patch(&subset->shape, photo, &fit->motion, subset->mean, order, fresh, patch))
         return -1;
@@ -119,13 +150,17 @@ static int iterate(const struct subset *subset, const struct photo *photo, const
     double gain = sums->plane[SUBSET_GREY] / subset->energy;
     if (!(gain > 0))
         return 2;
+    if (fit->near) /* what is left is noise: take it out of H, whose steps it makes too short */
+        clean_inverse(subset, residual_variance(subset, sums, gain) / (1 + gain * gain), inverse);
+    else
+        memcpy(inverse, subset->inverse, sizeof inverse);
     for (int i = 0; i < 3; i++)
-        step[i] = (subset->inverse[i][0] * sums->plane[0] + subset->inverse[i][1] * sums->plane[1] +
-                   subset->inverse[i][2] * sums->plane[2]) /
-                  gain;
+        step[i] =
+            (inverse[i][0] * sums->plane[0] + inverse[i][1] * sums->plane[1] + inverse[i][2] * sums->plane[2]) / gain;
     double moved = hypot(step[0], step[1]) + fabs(step[2]) * subset->shape.radius;
     if (!(moved <= 2 * options->reach))
         return 2;
+    fit->near = moved < 0.5;
     fit->motion = motion_compose_inverse(fit->motion, (struct motion){step[0], step[1], step[2]});
     return moved <= options->tolerance;
 }
@@ -156,8 +191,12 @@ int icgn_fit(const struct subset *subset, const struct photo *photo, struct moti
     *fit = (struct fit){.motion = start};
     if (converge(subset, photo, &start, options, BSPLINE_CUBIC, patch, fit))
         return -1;
-    if (options->coarse || !fit->converged || !needs_quintic(subset, fit))
+    if (options->coarse || !fit->converged)
         return 0;
+    if (!needs_quintic(subset, fit))
+        return measure_scatter(subset, photo, BSPLINE_CUBIC, patch, fit);
     fit->fine = 1;
-    return converge(subset, photo, &start, options, BSPLINE_QUINTIC, patch, fit);
+    if (converge(subset, photo, &start, options, BSPLINE_QUINTIC, patch, fit))
+        return -1;
+    return fit->converged ? measure_scatter(subset, photo, BSPLINE_QUINTIC, patch, fit) : 0;
 }

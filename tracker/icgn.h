@@ -25,9 +25,11 @@ struct fit {
     struct motion motion;
     double covariance[3][3]; /* of u, v, angle: px, px, rad */
     double zncc;
-    double gain;  /* of the photo over the reference */
-    double noise; /* grey values: pixel noise in each of the two photos, from what is left */
+    double gain;          /* of the photo over the reference */
+    double offset, white; /* of its grey values; Var(Z'e) over s2 Z'Z that white pixel noise would give (scatter.h) */
+    double noise;         /* grey values: pixel noise in each of the two photos, from what is left */
     int iterations;
+    int near;      /* the last step was short: what is left is noise */
     int fine;      /* finished on the quintic spline */
     int converged; /* 0: zncc is what the last position had, the motion is not to be trusted */
 };

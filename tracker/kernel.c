@@ -1,12 +1,11 @@
 #include "tracker/kernel.h"
 
-#include "tracker/interpolate.h"
 #include "tracker/simd.h"
 
 enum { STRETCH = 128, LANES = 16 }; /* pixels at a time; partial sums, the same on every machine */
 
-static struct line line_of_run(const struct subset *subset, const struct patch *patch, const struct motion *motion,
-                               const struct run *run)
+struct line kernel_line(const struct subset *subset, const struct patch *patch, const struct motion *motion,
+                        const struct run *run)
 {
     double c = cos(motion->angle), s = sin(motion->angle);
     double dx = run->x - subset->shape.cx, dy = run->y - subset->shape.cy;
@@ -73,7 +72,7 @@ void kernel_sums(const struct subset *subset, const struct patch *patch, const s
     *sums = (struct kernel_sums){0};
     for (size_t k = 0; k < subset->run_count; k++) {
         const struct run *run = &subset->runs[k];
-        struct line line = line_of_run(subset, patch, motion, run);
+        struct line line = kernel_line(subset, patch, motion, run);
         for (int begin = 0; begin < run->count; begin += STRETCH) {
             int count = run->count - begin < STRETCH ? run->count - begin : STRETCH;
             interpolate(patch, &line, begin, count, t);

@@ -4,6 +4,7 @@
 #define TRACKER_KERNEL_H
 
 #include "tracker/bspline.h"
+#include "tracker/interpolate.h"
 #include "tracker/motion.h"
 #include "tracker/subset.h"
 
@@ -15,5 +16,9 @@ struct kernel_sums {
 /* The patch must cover the warped subset; its order chooses the spline. */
 void kernel_sums(const struct subset *subset, const struct patch *patch, const struct motion *motion,
                  struct kernel_sums *sums);
+
+/* Where the pixels of a run land in the patch. */
+struct line kernel_line(const struct subset *subset, const struct patch *patch, const struct motion *motion,
+                        const struct run *run);
 
 #endif

@@ -92,12 +92,16 @@ void slopes_plain(const struct slopes *slopes, int x, int y, int count, float *g
     differ(grey, slopes->width, count, gy);
 }
 
-void slopes_smooth(const struct slopes *slopes, int x, int y, int count, float *gx, float *gy, float *laplacian)
+void slopes_smooth(const struct slopes *slopes, int x, int y, int count, float *gx, float *gy)
 {
     const float *smooth = slopes->smooth + at(slopes, x, y);
     differ(smooth, 1, count, gx);
     differ(smooth, slopes->width, count, gy);
-    add_second_differences(smooth, slopes->width, count, laplacian);
+}
+
+void slopes_laplacian(const struct slopes *slopes, int x, int y, int count, float *laplacian)
+{
+    add_second_differences(slopes->smooth + at(slopes, x, y), slopes->width, count, laplacian);
 }
 
 /* The difference after smoothing along its own direction: odd, taps at 1 .. MARGIN. */

@@ -22,7 +22,8 @@ void slopes_free(struct slopes *slopes); /* accepts a zeroed struct */
 const float *slopes_grey(const struct slopes *slopes, int x, int y);
 /* `count` pixels from (x, y) on. */
 void slopes_plain(const struct slopes *slopes, int x, int y, int count, float *gx, float *gy);
-void slopes_smooth(const struct slopes *slopes, int x, int y, int count, float *gx, float *gy, float *laplacian);
+void slopes_smooth(const struct slopes *slopes, int x, int y, int count, float *gx, float *gy);
+void slopes_laplacian(const struct slopes *slopes, int x, int y, int count, float *laplacian);
 
 /* Covariance of a smooth slope and the plain one when the pixels carry white noise of variance 1. */
 double slopes_noise(void);

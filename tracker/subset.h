@@ -32,6 +32,9 @@ struct subset {
     size_t count, run_count; /* pixels, runs; 0 pixels: nothing could be used */
     struct run *runs;
     float *planes;           /* SUBSET_PLANES arrays of `count`: Z, grey minus its mean */
+    float *blur;             /* the Laplacian, orthogonal to {1, grey}, of the sampled runs one after the other */
+    size_t sampled;          /* their pixels */
+    int every;               /* every n-th strip is sampled; 0, 1: all */
     double mean;             /* grey */
     double energy;           /* sum of (grey - mean)^2 */
     double hessian[3][3];    /* Z'J */
@@ -43,6 +46,17 @@ struct subset {
     double used;             /* share of the shape's pixels that is used */
     size_t saturated;        /* pixels left out at the upper end of the grey range */
 };
+
+/* Strips of rows on which the scatter of the residual is measured (scatter.h). */
+enum { SUBSET_STRIP = 8, SUBSET_ENOUGH = 6000 };
+static inline int subset_strip(const struct subset *subset, size_t run)
+{
+    return (subset->runs[run].y - subset->runs[0].y) / SUBSET_STRIP;
+}
+static inline int subset_sampled(const struct subset *subset, size_t run)
+{
+    return subset->every < 2 || subset_strip(subset, run) % subset->every == 0;
+}
 
 /* Which pixels of the reference may be used. */
 struct subset_mask {

@@ -46,6 +46,7 @@ void target_drop(struct target *target)
     struct subset summary = target->subset;
     summary.runs = NULL;
     summary.planes = NULL;
+    summary.blur = NULL;
     subset_free(&target->subset);
     target->subset = summary;
     target->kept = 0;
