@@ -26,6 +26,7 @@ enum grain_flag {
     GRAIN_MASKED = 1u << 21,       /* part of its subset was left out (a neighbour, saturation, the border) */
     GRAIN_FLANK = 1u << 22,        /* a second edge on one side: the flank of the rod is visible */
     GRAIN_BY_HAND = 1u << 23,      /* added by the user's list */
+    GRAIN_VAGUE = 1u << 25,        /* errors of 0.5 px or 0.5 degrees are within four standard errors */
     GRAIN_SPECKLED_FINE = 1u << 24 /* fine speckle: refined with the quintic spline */
 };
 #define GRAIN_DISTRUST 0xFFFFu

@@ -79,6 +79,14 @@ static int fit_from(const struct target *target, const struct target_photos *pho
     return status;
 }
 
+/* A wrong place leaves so much that its stated errors are large: a match with such errors is not good. */
+static int is_credible(const struct fit *fit)
+{
+    const double shift = 0.2, turn = 1.5 * 3.141592653589793 / 180;
+    return fit->covariance[0][0] < shift * shift && fit->covariance[1][1] < shift * shift &&
+           fit->covariance[2][2] < turn * turn;
+}
+
 static void keep_better(const struct target *target, const struct outcome *found, struct outcome *outcome)
 {
     if (!found->fit.converged || found->fit.zncc < target_lost_zncc(target, found->searched))
@@ -86,7 +94,7 @@ static void keep_better(const struct target *target, const struct outcome *found
     if (outcome->found && outcome->fit.zncc >= found->fit.zncc)
         return;
     *outcome = *found;
-    outcome->found = found->fit.zncc >= target_good_zncc(target, found->searched) ? 2 : 1;
+    outcome->found = found->fit.zncc >= target_good_zncc(target, found->searched) && is_credible(&found->fit) ? 2 : 1;
 }
 
 int target_attempt(const struct target *target, const struct target_photos *photos, struct motion start,

@@ -7,10 +7,10 @@ static const double too_saturated = 0.2; /* share of the subset */
 static const double cut_subset = 0.97;   /* below this share of its pixels a subset counts as masked */
 static const double half_subset = 0.5;   /* below this share of its pixels a grain is not in view */
 
-/* Too little texture: errors of half a pixel or half a degree are within two standard errors. */
-static int is_vague(const struct fit *fit)
+/* Are errors of half a pixel or half a degree within so many standard errors? */
+static int is_vague(const struct fit *fit, double sigmas)
 {
-    const double shift = 0.25, turn = 0.25 * 3.141592653589793 / 180;
+    const double shift = 0.5 / sigmas, turn = 0.5 / sigmas * 3.141592653589793 / 180;
     return fit->covariance[0][0] > shift * shift || fit->covariance[1][1] > shift * shift ||
            fit->covariance[2][2] > turn * turn;
 }
@@ -31,8 +31,10 @@ static uint32_t flags_of(const struct target *target, const struct outcome *outc
         return flags | GRAIN_LOST;
     if (outcome->used < half_subset)
         flags |= GRAIN_OUT_OF_VIEW;
-    if (is_vague(&outcome->fit))
+    if (is_vague(&outcome->fit, 2))
         flags |= GRAIN_NO_CONTRAST;
+    if (is_vague(&outcome->fit, 4))
+        flags |= GRAIN_VAGUE;
     if (outcome->found == 1)
         flags |= GRAIN_LOW_ZNCC;
     if (outcome->contradicted || outcome->ambiguous)
