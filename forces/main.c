@@ -1,13 +1,18 @@
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "forces/add_forces.h"
+#include "forces/add_series.h"
+#include "forces/series_options.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 
 struct arguments {
     struct cli cli;
-    const char *input, *previous, *start, *fclib;
+    struct cli_inputs inputs;
+    const char *previous, *start, *fclib;
+    int series;                            /* --method series: all inputs together */
     struct method_list methods;            /* count 0: not on the command line */
     double tolerance, iterations, samples; /* NaN: not on the command line */
     int fix;                               /* -1: not on the command line */
@@ -17,7 +22,9 @@ enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, FCLIB
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
-     "One or more of cem,cdm,qsm,map, separated by commas (default: the scene's, else map)", 0},
+     "One or more of cem,cdm,qsm,map, separated by commas (default: the scene's, else map); or series alone, which "
+     "takes all states of a test together and writes one file each into the folder -o",
+     0},
     {"start", START, "START", 0,
      "zero, mean, overlap, cem, previous, or a file with forces (default: overlap where kn is known, else zero)", 0},
     {"fix", FIX, "PART", 0, "Hold the start's normal or tangential forces: none, normal, tangential", 0},
@@ -36,7 +43,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         state->child_inputs[0] = &arguments->cli;
         return 0;
     case METHOD:
-        if (method_list_parse(arg, &arguments->methods))
+        arguments->series = !strcmp(arg, "series");
+        if (!arguments->series && method_list_parse(arg, &arguments->methods))
             argp_error(state, "--method %s: %s", arg, error_message());
         return 0;
     case START:
@@ -61,13 +69,13 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         arguments->fclib = arg;
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->input)
-            argp_error(state, "one packing at a time, not also %s", arg);
-        arguments->input = arg;
-        return 0;
+        return cli_inputs_add(&arguments->inputs, arg) ? ENOMEM : 0;
     case ARGP_KEY_END:
-        if (!arguments->input)
+        if (arguments->inputs.count == 0)
             argp_error(state, "which packing? Give N.contacts.hdf");
+        if (arguments->inputs.count > 1 && !arguments->series)
+            argp_error(state, "one packing at a time, not also %s; --method series takes many",
+                       arguments->inputs.paths[1]);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -86,11 +94,32 @@ static void choose_start(const char *text, struct force_request *request)
     request->from = text;
 }
 
+static int run_series(const struct arguments *arguments)
+{
+    struct scene scene = {0};
+    struct method_list methods = {{METHOD_MAP}, 1};
+    struct series_request request = {.scene = &scene,
+                                     .inputs = arguments->inputs.paths,
+                                     .count = arguments->inputs.count,
+                                     .output = arguments->cli.output,
+                                     .options = FORCE_OPTIONS_DEFAULT,
+                                     .series_options = SERIES_OPTIONS_DEFAULT};
+    size_t unbalanced = 0, grains = 0;
+    int status = scene_read(arguments->cli.scene, &scene) || force_options_read(&scene, &methods, &request.options) ||
+                 series_options_read(&scene, &request.series_options);
+    if (!status) {
+        request.series_options.samples = arguments->samples >= 0 ? (int)arguments->samples : request.options.samples;
+        status = add_series(&request, &unbalanced, &grains);
+    }
+    scene_free(&scene);
+    return status ? -1 : cli_flagged(&arguments->cli, unbalanced, grains, "grains are out of balance by more than 1 %");
+}
+
 static int run(const struct arguments *arguments)
 {
     struct scene scene = {0};
     struct force_request request = {.scene = &scene,
-                                    .input = arguments->input,
+                                    .input = arguments->inputs.paths[0],
                                     .previous = arguments->previous,
                                     .output = arguments->cli.output,
                                     .fclib = arguments->fclib,
@@ -124,18 +153,21 @@ int main(int argc, char **argv)
     static const struct argp parser = {
         option_list,
         parse_option,
-        "N.contacts.hdf",
+        "N.contacts.hdf [more for --method series]",
         "Contact forces of a packing in equilibrium, from its overlaps, motions and loads.\v"
         "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains. qsm: projections "
         "onto "
         "equilibrium and friction. map: the most likely admissible forces; the one to use. Several methods stand side "
         "by "
         "side in one file. Docs: docs/forces.md.\n\n"
-        "Example:\n  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf",
+        "Example:\n  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf\n"
+        "  forces --scene scene.json --method series out/*.contacts.hdf -o out",
         children,
         NULL,
         NULL};
     struct arguments arguments = {.cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .samples = NAN, .fix = -1};
     cli_parse(&parser, argc, argv, &arguments);
-    return cli_finish(&arguments.cli, run(&arguments));
+    int status = arguments.series ? run_series(&arguments) : run(&arguments);
+    cli_inputs_free(&arguments.inputs);
+    return cli_finish(&arguments.cli, status);
 }

@@ -33,7 +33,7 @@ int method_list_parse(const char *text, struct method_list *list)
 
 static const char *const KEYS[] = {"method",     "start",      "fix",       "rescale",   "tolerance",
                                    "iterations", "relaxation", "thickness", "wall_mass", "orthogonal",
-                                   "anderson",   "samples",    NULL};
+                                   "anderson",   "samples",    "series",  NULL};
 
 static int read_words(const struct scene *scene, const cJSON *section, struct method_list *list,
                       struct force_options *options)

@@ -1,0 +1,108 @@
+#include "forces/series_loads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "forces/network.h"
+#include "pipeline/error.h"
+
+/* One state: its overlaps with their branches, and the virial of its loads. */
+struct balance {
+    size_t count;
+    double *overlap, *length, *radii; /* m, m, and how many radii the overlap has: 2, or 1 at a wall */
+    double virial;                    /* N m; NaN: reactions unknown */
+    double force;                     /* N: the network's unit */
+};
+
+static void balances_free(struct balance *balance, size_t count)
+{
+    for (size_t s = 0; balance && s < count; s++)
+        free(balance[s].overlap), free(balance[s].length), free(balance[s].radii);
+    free(balance);
+}
+
+static int balance_read(const struct packing *packing, const struct force_options *options, struct balance *balance)
+{
+    struct network network;
+    struct network_options network_options = {.candidates = 1, .wall_mass = options->wall_mass};
+    if (network_build(packing, &options->law, &network_options, &network))
+        return -1;
+    balance->count = network.count;
+    balance->overlap = calloc(network.count + 1, sizeof(double));
+    balance->length = calloc(network.count + 1, sizeof(double));
+    balance->radii = calloc(network.count + 1, sizeof(double));
+    balance->virial = network.virial * network.force * network.radius;
+    balance->force = network.force;
+    int status = balance->overlap && balance->length && balance->radii ? 0 : error_memory("loads of the series");
+    for (size_t c = 0; c < network.count && !status; c++) {
+        size_t row = network.contact[c].row, w;
+        balance->overlap[c] = packing->contacts.overlap[row];
+        balance->length[c] = network.contact[c].length * network.radius;
+        balance->radii[c] = packing_is_wall(packing, row, &w) ? 1 : 2;
+    }
+    network_free(&network);
+    return status;
+}
+
+/* Sum of positive overlaps times branch length, all radii made smaller by `offset`. */
+static double overlap_virial(const struct balance *balance, double offset)
+{
+    double sum = 0;
+    for (size_t c = 0; c < balance->count; c++)
+        sum += fmax(0, balance->overlap[c] - balance->radii[c] * offset) * balance->length[c];
+    return sum;
+}
+
+/* Its sum over all states whose loads are known falls with the offset. */
+static double find_offset(const struct balance *balance, size_t count, double kn)
+{
+    double low = 0, high = 0, aim = 0;
+    for (size_t s = 0; s < count; s++)
+        for (size_t c = 0; c < balance[s].count; c++) {
+            low = fmin(low, balance[s].overlap[c]);
+            high = fmax(high, balance[s].overlap[c]);
+        }
+    for (size_t s = 0; s < count; s++)
+        aim += isfinite(balance[s].virial) ? balance[s].virial / kn : 0;
+    for (int k = 0; k < 60 && aim > 0; k++) {
+        double middle = 0.5 * (low + high), sum = 0;
+        for (size_t s = 0; s < count; s++)
+            sum += isfinite(balance[s].virial) ? overlap_virial(&balance[s], middle) : 0;
+        *(sum > aim ? &low : &high) = middle;
+    }
+    return aim > 0 ? 0.5 * (low + high) : 0;
+}
+
+/* The mean normal force of the most loaded state, over the contacts that the offset leaves. */
+static double largest_force(const struct balance *balance, size_t count, double offset)
+{
+    double largest = 0;
+    for (size_t s = 0; s < count; s++) {
+        double length = 0;
+        for (size_t c = 0; c < balance[s].count; c++)
+            length += balance[s].overlap[c] > balance[s].radii[c] * offset ? balance[s].length[c] : 0;
+        double force = isfinite(balance[s].virial) && length > 0 ? balance[s].virial / length : balance[s].force;
+        largest = fmax(largest, force);
+    }
+    return largest;
+}
+
+int series_loads_fit(const struct packing *const *packings, size_t count, const struct force_options *options,
+                     int fit_offset, int fit_stiffness, struct series_loads *loads)
+{
+    struct balance *balance = calloc(count + 1, sizeof *balance);
+    int status = balance ? 0 : error_memory("loads of the series");
+    *loads = (struct series_loads){.kn = options->law.kn};
+    for (size_t s = 0; s < count && !status; s++)
+        status = balance_read(packings[s], options, &balance[s]);
+    if (!status) {
+        (void)fit_stiffness;
+        if (fit_offset)
+            loads->offset = find_offset(balance, count, loads->kn);
+        loads->force = largest_force(balance, count, loads->offset);
+        loads->s_offset = 0.1 * loads->force / loads->kn;
+    }
+    balances_free(balance, count);
+    return status;
+}

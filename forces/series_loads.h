@@ -1,0 +1,18 @@
+/* What the loads say about all overlaps together, before anything else: sum of kn (overlap - offsets) times branch
+ * length = virial of the loads, in every state. */
+#ifndef FORCES_SERIES_LOADS_H
+#define FORCES_SERIES_LOADS_H
+
+#include "forces/infer_forces.h"
+
+struct series_loads {
+    double force;            /* N: <fn> of the most loaded state */
+    double kn, s_kn;         /* N/m */
+    double offset, s_offset; /* m: of each radius, measured less true */
+    const char *refused;     /* why kn was not fitted; NULL: it was, or need not be */
+};
+
+int series_loads_fit(const struct packing *const *packings, size_t count, const struct force_options *options,
+                     int fit_offset, int fit_stiffness, struct series_loads *loads);
+
+#endif
