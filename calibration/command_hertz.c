@@ -167,7 +167,9 @@ static int write_found(const struct options *o, const struct hertz_goal *goal, c
         return -1;
     if (found->reached)
         return 0;
-    if (found->at_bound && goal->fit_poisson)
+    double margin = 0.1 * fabs(goal->poisson); /* probes that are that far off never came near */
+    int outside = goal->poisson < found->poisson_low - margin || goal->poisson > found->poisson_high + margin;
+    if (goal->fit_poisson && (found->at_bound || outside))
         return error_input("nu = %g cannot be reached: with grains from 0 to 0.5 this packing gives %.3f to %.3f "
                            "(%d probes): calibrate E alone with --grain-poisson",
                            goal->poisson, found->poisson_low, found->poisson_high, found->probes);

@@ -6,6 +6,7 @@
 
 int command_friction(int argc, char **argv);
 int command_hertz(int argc, char **argv);
+int command_laws(int argc, char **argv);
 int command_lens(int argc, char **argv);
 int command_rescale(int argc, char **argv);
 int command_scale(int argc, char **argv);

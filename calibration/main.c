@@ -15,7 +15,8 @@ static const struct command {
     {"stiffness", "calibration stiffness", command_stiffness, "normal stiffness from a test on two rods"},
     {"rescale", "calibration rescale", command_rescale, "stiffness from the stresses of a whole series"},
     {"friction", "calibration friction", command_friction, "friction between grains from three-rod tests"},
-    {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli, closed form"},
+    {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli"},
+    {"laws", "calibration laws", command_laws, "contact laws compared on a small-strain probe"},
 };
 
 static void print_help(FILE *out)

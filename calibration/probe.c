@@ -110,7 +110,7 @@ void probe_fabric(const struct probe_packing *packing, struct probe_fabric *fabr
     fabric->porosity = 1 - area / box;
     fabric->z = (2 * (double)between + (double)wall) / (double)dem->count;
     fabric->volume_per_contact = box / (double)(between + wall);
-    fabric->d50 = radius ? 2 * radius[dem->count / 2] : NAN;
+    fabric->d50 = radius ? radius[(dem->count - 1) / 2] + radius[dem->count / 2] : NAN;
     free(radius);
 }
 

@@ -80,6 +80,7 @@ void contact_spring_press(const struct contact_law *law, const struct contact_pa
     if (law->kind == LAW_LINEAR) {
         spring->fn = pair->kn * overlap;
         spring->stiffness = pair->kn;
+        spring->peak = fmax(spring->peak, spring->fn);
         return;
     }
     if (law->kind == LAW_POHRT_POPOV_PLASTIC && spring->peak > 0) {

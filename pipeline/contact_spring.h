@@ -27,7 +27,7 @@ struct contact_pair contact_pair_of(const struct contact_law *law, double reduce
 struct contact_spring {
     double fn, ft;    /* N */
     double stiffness; /* N/m: dF/dx now */
-    double peak;      /* N: largest normal force so far (plastic law) */
+    double peak;      /* N: largest normal force so far */
 };
 
 /* Normal force and stiffness at an overlap > 0; the peak is taken into account and kept up. */

@@ -1,5 +1,5 @@
-/* Contact laws against their closed forms (docs/theory.md section 5), integrals done here by small steps, and cycles that
- * must not create energy. */
+/* Contact laws against their closed forms (docs/theory.md section 5), integrals done here by small steps, and cycles
+ * that must not create energy. */
 #include "tests/check.h"
 
 #include <math.h>
@@ -172,6 +172,46 @@ static void cycles_create_no_energy(void **state)
         }
 }
 
+/* 10^5 steps along a random path with friction and separations: what was done on the contact is never less than what it
+ * stores, and not negative whenever it has parted. */
+static void random_paths_create_no_energy(void **state)
+{
+    (void)state;
+    enum { CORNERS = 200, LEG = 500 };
+    static const enum contact_law_kind kinds[] = {LAW_LINEAR, LAW_HERTZ_MINDLIN, LAW_POHRT_POPOV,
+                                                  LAW_POHRT_POPOV_PLASTIC};
+    uint64_t random = 17;
+    for (size_t k = 0; k < 4; k++) {
+        struct contact_law law = law_of(kinds[k]);
+        struct contact_pair pair = contact_pair_of(&law, RADIUS);
+        struct contact_spring spring = {0};
+        double top = contact_pair_overlap(&law, &pair, 500), work = 0, size = 0, x = 0, y = 0;
+        int partings = 0;
+        for (int corner = 0; corner < CORNERS; corner++) {
+            double dx = (top * (1.8 * check_uniform(&random) - 0.3) - x) / LEG;
+            double dy = top * (check_uniform(&random) - 0.5) / LEG;
+            for (int n = 0; n < LEG; n++, x += dx, y += dy) {
+                double fn = spring.fn, ft = spring.ft, before = spring.stiffness;
+                if (x + dx > 0) {
+                    press(&law, &pair, x + dx, &spring);
+                    contact_spring_slide(&law, before, dy, &spring);
+                    coulomb_clip(0.4, &spring.fn, &spring.ft);
+                } else {
+                    partings += x > 0;
+                    spring = (struct contact_spring){0};
+                }
+                double part[2] = {0.5 * (spring.fn + fn) * dx, -0.5 * (spring.ft + ft) * dy};
+                work += part[0] + part[1];
+                size += fabs(part[0]) + fabs(part[1]);
+                double stored = spring.fn > 0 ? contact_spring_energy(&law, &pair, x + dx, &spring) : 0;
+                check_at_most(stored - work, 1e-5 * size);
+            }
+        }
+        assert_in_range(partings, 5, CORNERS);
+        check_at_most(0.05 * size, work); /* friction took a good part */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +221,7 @@ int main(void)
         cmocka_unit_test(plastic_unloading_and_reloading),
         cmocka_unit_test(stored_energy_is_the_work),
         cmocka_unit_test(cycles_create_no_energy),
+        cmocka_unit_test(random_paths_create_no_energy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
