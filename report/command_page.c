@@ -1,5 +1,6 @@
 /* report page: options, read, call, write. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/cli.h"
@@ -78,10 +79,16 @@ static int run(const struct options *options)
     int result =
         scene_read(options->cli.scene, &scene) || series_read(options->files.paths, options->files.count, &series) ? -1
                                                                                                                    : 0;
+    char *folder = strdup(options->cli.output);
+    if (!folder)
+        result = error_memory("a path");
     if (result == 0) {
         page.name = scene.name;
+        folder[basename(folder) - folder] = '\0';
+        page.folder = folder;
         result = write_page(&page, &series, options->cli.output);
     }
+    free(folder);
     series_free(&series);
     scene_free(&scene);
     return result;

@@ -26,7 +26,8 @@ static const char head[] =
     ".charts figcaption{display:none}.charts figure{margin:0}\n"
     "figure{margin:1rem 0;break-inside:avoid}img{max-width:100%;height:auto;border:1px solid #ddd}\n"
     "figcaption{font-size:.85rem;color:#555}code{font-size:.85em}\n"
-    "@media print{body{max-width:none;font-size:11pt}.table{overflow:visible}}\n"
+    "@media print{body{max-width:none;font-size:11pt}.table{overflow:visible}"
+    "h2{break-after:avoid}.charts{grid-template-columns:1fr 1fr}img{max-height:12cm}}\n"
     "</style>\n";
 
 static int draw_map(const struct packing *packing, const struct forces *forces, const char *title, struct html *html)
@@ -125,11 +126,14 @@ int page_write(const struct page *page, const struct series *series, struct html
         return -1;
     if (page_curves(series, html))
         return -1;
+    if (page_quality(series, html))
+        return -1;
     page_photos(series, html);
     page_states(series, html);
     page_stresses(series, html);
     if (page_last_state(series, html) || page_pictures(page, series, html))
         return -1;
+    page_files(page, series, html);
     page_inputs(series, html);
     fputs("</body></html>\n", html->stream);
     return 0;

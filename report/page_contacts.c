@@ -131,7 +131,7 @@ int page_last_state(const struct series *series, struct html *html)
     fputs("<h2>Contacts of ", html->stream);
     html_text(html, last->name);
     fputs("</h2>\n<div class=\"charts\">\n", html->stream);
-    int result = distribution_chart(&packing, html);
+    int result = distribution_chart(&packing, html) || page_balance(&packing, &last->packing, html) ? -1 : 0;
     if (packing.force_count == 0 && result == 0)
         result = rose_picture(&packing, NULL, html);
     for (size_t f = 0; f < packing.force_count && result == 0; f++)

@@ -128,14 +128,9 @@ static double anisotropy(const struct series_row *row)
     return row->packing.path ? hypot(t[0][0] - t[1][1], 2 * t[0][1]) : NAN;
 }
 
-static double zncc(const struct series_row *row)
+static double freedom(const struct series_row *row)
 {
-    return row->tracks.path ? row->tracks.zncc_median : NAN;
-}
-
-static double least_zncc(const struct series_row *row)
-{
-    return row->tracks.path ? row->tracks.zncc_least : NAN;
+    return row->packing.path ? row->packing.h : NAN;
 }
 
 static int quantity_chart(const struct series *series, const struct abscissa *abscissa, const char *title,
@@ -158,13 +153,77 @@ static int quantity_chart(const struct series *series, const struct abscissa *ab
     return result;
 }
 
+/* ---- oedometer: compressed along y, held along x ---- */
+
+static int is_oedometer(const struct series *series)
+{
+    double across = 0, along_y = 0;
+    for (size_t k = 0; k < series->count; k++) {
+        const double *strain = series->rows[k].packing.strain;
+        if (!series->rows[k].packing.path || !isfinite(strain[0]) || !isfinite(strain[1]))
+            continue;
+        across = fmax(across, fmax(fabs(strain[0]), isfinite(strain[2]) ? fabs(strain[2]) : 0));
+        along_y = fmax(along_y, fabs(strain[1]));
+    }
+    return along_y > 1e-5 && across < 0.1 * along_y;
+}
+
+/* Stresses of a row: of that method, or applied (method NULL); NULL: not there. */
+static const double (*stress_of(const struct series_row *row, const char *method))[2]
+{
+    const struct force_summary *forces = method ? forces_of(row, method) : NULL;
+    return !row->packing.path || (method && !forces) ? NULL : method ? forces->weber : row->packing.applied;
+}
+
+/* Coefficient of earth pressure at rest k0 = sigma_xx / sigma_yy (thesis Fig. 4.14), and the oedometric curve, void
+ * ratio against the logarithm of sigma_yy (Fig. 4.15). */
+static int oedometer_lines(const struct series *series, const struct abscissa *abscissa, const char *method,
+                           size_t style, struct chart *k0, struct chart *curve)
+{
+    struct chart_line *ratio = chart_add(k0, method ? method : "applied", series->count),
+                      *voids = ratio ? chart_add(curve, method ? method : "applied", series->count) : NULL;
+    if (!voids)
+        return -1;
+    ratio->style = voids->style = style;
+    for (size_t k = 0; k < series->count; k++) {
+        const struct series_row *row = &series->rows[k];
+        const double(*sigma)[2] = stress_of(row, method);
+        if (!sigma)
+            continue;
+        chart_put(ratio, along(abscissa, row), sigma[0][0] / sigma[1][1]);
+        chart_put(voids, log10(sigma[1][1] * (row->packing.in_pascal ? 1e-3 : 1)), row->packing.fabric.void_ratio);
+    }
+    return 0;
+}
+
+static int oedometer_charts(const struct series *series, const struct abscissa *abscissa, struct html *html)
+{
+    const struct series_row *most = row_with_most_methods(series);
+    struct chart k0 = {.title = "Earth pressure at rest, k0",
+                       .x_label = abscissa->label,
+                       .y_label = "σxx / σyy",
+                       .from_zero = 1,
+                       .whole_x = abscissa->kind == ALONG_INDEX},
+                 curve = {.title = "Oedometric curve",
+                          .y_label = "void ratio",
+                          .x_label = most->packing.in_pascal ? "log10 of σyy in kPa" : "log10 of σyy in N/m"};
+    int result = oedometer_lines(series, abscissa, NULL, 0, &k0, &curve);
+    for (size_t f = 0; f < most->packing.force_count && f < 4 && result == 0; f++)
+        result = oedometer_lines(series, abscissa, most->packing.forces[f].method, f + 1, &k0, &curve);
+    if (result == 0)
+        result = page_chart(&k0, html) || page_chart(&curve, html) ? -1 : 0;
+    chart_free(&k0);
+    chart_free(&curve);
+    return result;
+}
+
 int page_curves(const struct series *series, struct html *html)
 {
-    struct abscissa abscissa = choose_abscissa(series), photos = {ALONG_INDEX, "photo"};
+    struct abscissa abscissa = choose_abscissa(series);
     static const quantity voids[2] = {void_ratio, NULL}, contacts[2] = {coordination, NULL},
-                          fabric[2] = {anisotropy, NULL}, tracking[2] = {zncc, least_zncc};
+                          fabric[2] = {anisotropy, NULL}, open[2] = {freedom, NULL};
     static const char *const e[2] = {"void ratio"}, *const z[2] = {"z"}, *const a[2] = {"anisotropy"},
-                             *const c[2] = {"median", "least of the trusted grains"};
+                             *const h[2] = {"h"};
     if (series->count < 2)
         return 0;
     fputs("<h2>Curves</h2>\n<div class=\"charts\">\n", html->stream);
@@ -172,7 +231,8 @@ int page_curves(const struct series *series, struct html *html)
         quantity_chart(series, &abscissa, "Void ratio", "e", voids, e, html) ||
         quantity_chart(series, &abscissa, "Coordination number", "z", contacts, z, html) ||
         quantity_chart(series, &abscissa, "Anisotropy of contact directions", "|F1 - F2| of ⟨n n⟩", fabric, a, html) ||
-        quantity_chart(series, &photos, "Likeness to the reference (ZNCC)", "ZNCC", tracking, c, html))
+        quantity_chart(series, &abscissa, "Degree of indeterminacy", "h", open, h, html) ||
+        (is_oedometer(series) && oedometer_charts(series, &abscissa, html)))
         return -1;
     fputs("</div>\n", html->stream);
     return 0;

@@ -45,11 +45,11 @@ static void photo_row(struct html *html, const struct series_row *row, const cha
     html_number(html, (double)photo->distrusted, 9);
     cell_flags(html, photo->flags, 0, 15);
     cell_flags(html, photo->flags, 16, 31);
-    html_number(html, photo->zncc_median, 5);
-    html_number(html, photo->zncc_least, 5);
-    html_number(html, photo->s_place, 3);
-    html_number(html, photo->s_angle / DEGREE, 3);
-    html_number(html, photo->s_size, 3);
+    html_number(html, photo->zncc.middle, 5);
+    html_number(html, photo->zncc.least, 5);
+    html_number(html, photo->s_place.middle, 3);
+    html_number(html, photo->s_angle.middle / DEGREE, 3);
+    html_number(html, photo->s_size.middle, 3);
     fputs("</tr>\n", html->stream);
 }
 

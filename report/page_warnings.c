@@ -68,7 +68,7 @@ static void warn_photos(struct warnings *warnings, const struct series *series, 
         if (!photo->path)
             continue;
         tally_add(&flagged, (double)photo->distrusted / (double)photo->grains, FLAGGED_SHARE, row->name);
-        tally_add(&zncc, 1 - photo->zncc_median, 1 - ZNCC_LOW, row->name);
+        tally_add(&zncc, 1 - photo->zncc.middle, 1 - ZNCC_LOW, row->name);
     }
     const char *who = tracked ? "tracking" : "finding grains";
     warn_tally(warnings, &flagged, who, "photos more than 5 % of the grains are flagged as not to be trusted", 100,

@@ -7,7 +7,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/json.h"
-#include "report/spread.h"
+#include "report/indeterminacy.h"
 
 void series_free(struct series *series)
 {
@@ -16,6 +16,7 @@ void series_free(struct series *series)
         free(series->rows[k].grains.path);
         free(series->rows[k].tracks.path);
         free(series->rows[k].packing.path);
+        free(series->rows[k].contacts_path);
     }
     for (size_t k = 0; k < series->input_count; k++) {
         free(series->inputs[k].file);
@@ -28,37 +29,6 @@ void series_free(struct series *series)
 }
 
 /* ---- one photo ---- */
-
-static int by_value(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-/* Median of a column over the rows that are trusted and finite; *least: the smallest. NaN: no such value. */
-static int median(const double *column, const uint32_t *flags, size_t count, double *middle, double *least)
-{
-    size_t used = 0;
-    *middle = NAN;
-    if (least)
-        *least = NAN;
-    if (!column)
-        return 0;
-    double *values = malloc((count + 1) * sizeof *values);
-    if (!values)
-        return error_memory("medians");
-    for (size_t k = 0; k < count; k++)
-        if (!(flags[k] & GRAIN_DISTRUST) && isfinite(column[k]))
-            values[used++] = column[k];
-    if (used) {
-        qsort(values, used, sizeof *values, by_value);
-        *middle = 0.5 * (values[(used - 1) / 2] + values[used / 2]);
-        if (least)
-            *least = values[0];
-    }
-    free(values);
-    return 0;
-}
 
 static size_t count_flags(const uint32_t *flags, size_t count, size_t of_bit[32])
 {
@@ -81,10 +51,10 @@ static int summarise_photo(const struct loaded *loaded, struct photo_summary *ph
     photo->distrusted = count_flags(grains->flags, grains->count, photo->flags);
     if (!photo->path)
         return error_memory("a path");
-    return median(grains->zncc, grains->flags, grains->count, &photo->zncc_median, &photo->zncc_least) ||
-                   median(grains->s_x, grains->flags, grains->count, &photo->s_place, NULL) ||
-                   median(grains->s_angle, grains->flags, grains->count, &photo->s_angle, NULL) ||
-                   median(grains->s_radius, grains->flags, grains->count, &photo->s_size, NULL)
+    return quantiles_of(grains->zncc, grains->flags, grains->count, &photo->zncc) ||
+                   quantiles_of(grains->s_x, grains->flags, grains->count, &photo->s_place) ||
+                   quantiles_of(grains->s_angle, grains->flags, grains->count, &photo->s_angle) ||
+                   quantiles_of(grains->s_radius, grains->flags, grains->count, &photo->s_size)
                ? -1
                : 0;
 }
@@ -126,6 +96,7 @@ static int summarise_packing(const struct loaded *loaded, struct packing_summary
     for (size_t c = 0; c < packing->contacts.count; c++)
         summary->candidates += (packing->contacts.flags[c] & CONTACT_CANDIDATE) != 0;
     packing_fabric(packing, &summary->fabric);
+    summary->h = indeterminacy(packing, packing->force_count ? &packing->forces[0] : NULL);
     stress_applied(packing, area, summary->applied);
     memcpy(summary->strain, packing->info.strain, sizeof summary->strain);
     summary->in_pascal = !isnan(packing->length_m);
@@ -222,6 +193,8 @@ static int add_file(struct series *series, const char *path)
         result = summarise_photo(&loaded, strcmp(info->stage, "tracker") ? &row->grains : &row->tracks);
     else if (result == 0 && (loaded.packing.force_count || !row->packing.path))
         result = summarise_packing(&loaded, &row->packing);
+    if (result == 0 && loaded.is_si && !loaded.packing.force_count && !row->contacts_path)
+        result = (row->contacts_path = strdup(path)) ? 0 : error_memory("a path");
     loaded_free(&loaded);
     return result;
 }

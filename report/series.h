@@ -4,6 +4,7 @@
 
 #include "pipeline/stress.h"
 #include "report/loaded.h"
+#include "report/quantiles.h"
 
 enum { SERIES_METHODS = 8 };
 
@@ -11,8 +12,7 @@ enum { SERIES_METHODS = 8 };
 struct photo_summary {
     char *path;
     size_t grains, distrusted, flags[32];
-    double zncc_median, zncc_least;  /* over trusted grains; NaN: not there */
-    double s_place, s_angle, s_size; /* median standard errors: px, rad, px */
+    struct quantiles zncc, s_place, s_angle, s_size; /* over trusted grains; standard errors: px, rad, px */
 };
 
 struct force_summary {
@@ -27,6 +27,7 @@ struct packing_summary {
     char *path;
     size_t grains, distrusted, flags[32], candidates, floating;
     struct fabric fabric;
+    double h; /* degree of indeterminacy, with the friction of the first method */
     double applied[2][2], strain[3];
     int in_pascal;
     struct force_summary forces[SERIES_METHODS];
@@ -39,6 +40,7 @@ struct series_row {
     double time_s;
     struct photo_summary grains, tracks; /* path == NULL: not given */
     struct packing_summary packing;      /* of the forces file when there is one, else of contacts */
+    char *contacts_path;                 /* of the file of contacts, when there is one */
 };
 
 struct series_input {

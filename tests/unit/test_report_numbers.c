@@ -1,0 +1,160 @@
+/* Numbers and curves of the page that are made in report/ itself: quantiles, the degree of indeterminacy, and when a
+ * test is an oedometer. Known by counting. */
+#include "tests/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "report/indeterminacy.h"
+#include "report/page.h"
+#include "report/quantiles.h"
+
+static char folder[] = "/tmp/test_report_numbers.XXXXXX";
+
+static void test_quantiles(void **unused)
+{
+    (void)unused;
+    double column[21];
+    uint32_t flags[21] = {0};
+    struct quantiles q;
+    for (int k = 0; k < 21; k++)
+        column[k] = (k * 8) % 21; /* 0 to 20, shuffled */
+    check_done(quantiles_of(column, flags, 21, &q));
+    check_near(q.least, 0, 0);
+    check_near(q.low, 1, 1e-12);
+    check_near(q.middle, 10, 1e-12);
+    check_near(q.high, 19, 1e-12);
+    check_near(q.most, 20, 0);
+    for (int k = 0; k < 21; k++)
+        if (column[k] > 10)
+            flags[k] = GRAIN_LOW_ZNCC;
+        else if (column[k] == 0)
+            column[k] = NAN;
+    check_done(quantiles_of(column, flags, 21, &q)); /* 1 to 10 are left */
+    check_near(q.least, 1, 0);
+    check_near(q.middle, 5.5, 1e-12);
+    check_near(q.most, 10, 0);
+    check_done(quantiles_of(NULL, flags, 21, &q));
+    assert_true(isnan(q.middle));
+}
+
+/* Two grains one above the other between four walls, a third one that carries nothing: contacts 0-1, 0-bottom, 1-top,
+ * 0-left, 1-right, and a candidate 0-2. */
+static void make_packing(struct packing *p, const double strain[2], double sxx, double syy)
+{
+    static const int64_t i[] = {0, 0, 1, 0, 1, 0}, j[] = {1, 3, 4, 5, 6, 2};
+    static const double nx[] = {0, 0, 0, -1, 1, 1}, ny[] = {1, -1, 1, 0, 0, 0};
+    static const char *const names[] = {"bottom", "top", "left", "right"};
+    static const double walls[4][4] = {{-1, 0, 1, 0}, {1, 4, -1, 4}, {-1, 4, -1, 0}, {1, 0, 1, 4}};
+    memset(p, 0, sizeof *p);
+    p->length_m = NAN;
+    memcpy(p->info.strain, (double[3]){strain[0], strain[1], 0}, sizeof p->info.strain);
+    check_done(table_alloc(&GRAINS, &p->grains, 3, NULL));
+    check_done(table_alloc(&WALLS, &p->walls, 4, NULL));
+    check_done(table_alloc(&CONTACTS, &p->contacts, 6, NULL));
+    for (int k = 0; k < 3; k++) {
+        p->grains.x[k] = 3 * (k == 2), p->grains.y[k] = 1 + 2 * (k == 1), p->grains.radius[k] = 1;
+        p->grains.mass[k] = p->grains.inertia[k] = 1;
+        p->grains.flags[k] = k == 2 ? GRAIN_RATTLER : 0;
+    }
+    for (int w = 0; w < 4; w++) {
+        strcpy(p->walls.name[w], names[w]);
+        p->walls.x0[w] = walls[w][0], p->walls.y0[w] = walls[w][1];
+        p->walls.x1[w] = walls[w][2], p->walls.y1[w] = walls[w][3], p->walls.radius[w] = 0;
+    }
+    p->walls.fy[1] = -2 * syy, p->walls.fx[3] = -4 * sxx; /* the right and the top wall are loaded */
+    for (int c = 0; c < 6; c++) {
+        p->contacts.i[c] = i[c], p->contacts.j[c] = j[c], p->contacts.nx[c] = nx[c], p->contacts.ny[c] = ny[c];
+        p->contacts.x[c] = p->contacts.y[c] = p->contacts.overlap[c] = 0;
+        p->contacts.flags[c] = c == 5 ? CONTACT_CANDIDATE : 0;
+    }
+    p->forces = calloc(1, sizeof *p->forces);
+    p->force_count = 1;
+    strcpy(p->forces->method, "qsm");
+    p->forces->mu = 0.5, p->forces->converged = 1;
+    check_done(table_alloc(&CONTACT_FORCES, &p->forces->contact, 6, NULL));
+    check_done(table_alloc(&RESIDUALS, &p->forces->residual, 3, NULL));
+    for (int c = 0; c < 6; c++)
+        p->forces->contact.fn[c] = c < 3 ? 2 * syy : 2 * sxx, p->forces->contact.ft[c] = 0;
+    for (int k = 0; k < 3; k++)
+        p->forces->residual.residual_x[k] = p->forces->residual.residual_y[k] = 0.01 * k;
+}
+
+/* Unknown: 2 of the contact between the grains, 1 per wall contact where walls are smooth, else 2. Equations: 3 for
+ * each of two grains, 1 for each loaded wall. */
+static void test_indeterminacy(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    make_packing(&p, (double[2]){0, 0}, 1, 1);
+    check_near(indeterminacy(&p, p.forces), 2 + 4 - 6 - 2, 0);
+    check_near(indeterminacy(&p, NULL), 2 + 8 - 6 - 2, 0);
+    p.forces->contact.ft[1] = 0.1; /* the bottom is rough */
+    check_near(indeterminacy(&p, p.forces), 2 + 8 - 6 - 2, 0);
+    p.forces->contact.ft[1] = 0, p.forces->mu = 0;
+    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
+    p.walls.fx[2] = 4; /* left and right loaded: still one direction */
+    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
+    p.grains.flags[1] = GRAIN_FIXED;
+    check_near(indeterminacy(&p, p.forces), 1 + 4 - 3 - 2, 0);
+    packing_free(&p);
+}
+
+/* The page of two states, the second one strained by that much. */
+static char *page_of(double across, double along)
+{
+    char paths[2][256], *list[2] = {paths[0], paths[1]};
+    struct series series;
+    struct html html;
+    struct page page = {.name = "two states", .maps = 0, .folder = NULL};
+    for (int k = 0; k < 2; k++) {
+        struct packing p;
+        struct provenance provenance = PROVENANCE_DEFAULT;
+        snprintf(paths[k], sizeof paths[k], "%s/%04d.forces.hdf", folder, k);
+        make_packing(&p, (double[2]){k * across, k * along}, 1, 2 + k);
+        provenance.stage = "forces";
+        provenance.index = k;
+        memcpy(provenance.strain, p.info.strain, sizeof provenance.strain);
+        check_done(packing_write(paths[k], &p, &provenance));
+        packing_free(&p);
+    }
+    check_done(series_read(list, 2, &series));
+    check_near(series.rows[1].packing.applied[0][0], 1, 1e-12);
+    check_near(series.rows[1].packing.applied[1][1], 3, 1e-12);
+    check_done(html_begin(&html));
+    check_done(page_write(&page, &series, &html));
+    check_done(html_end(&html));
+    series_free(&series);
+    for (int k = 0; k < 2; k++)
+        unlink(paths[k]);
+    return html.text;
+}
+
+static void test_oedometer(void **unused)
+{
+    (void)unused;
+    char *page = page_of(1e-5, 4e-3);
+    assert_non_null(strstr(page, "Earth pressure at rest"));
+    assert_non_null(strstr(page, "Oedometric curve"));
+    assert_non_null(strstr(page, "Degree of indeterminacy"));
+    assert_non_null(strstr(page, "Unbalanced force on the grains"));
+    assert_non_null(strstr(page, "Normal stress by orientation"));
+    free(page);
+    page = page_of(-2e-3, 4e-3); /* a biaxial test */
+    assert_null(strstr(page, "Earth pressure at rest"));
+    free(page);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantiles), cmocka_unit_test(test_indeterminacy),
+                                       cmocka_unit_test(test_oedometer)};
+    if (!mkdtemp(folder))
+        return 1;
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    rmdir(folder);
+    return failed;
+}
