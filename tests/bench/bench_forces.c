@@ -76,7 +76,7 @@ static int table_speed(const struct bench *bench, const struct packing *truth, c
 static int disturbed(const struct bench *bench, const struct packing *truth, const char *label, double place,
                      double radius, int network)
 {
-    struct disturbance disturbance = {place, radius, network, bench->seed};
+    struct disturbance disturbance = {place, radius, 0, network, bench->seed};
     struct packing measured;
     char text[100];
     snprintf(text, sizeof text, "%s place %.3g radius %.3g", label, place, radius);
@@ -116,7 +116,7 @@ static int table_interval(const struct bench *bench, const struct packing *truth
 {
     static const double pixels[] = {0.03, 0.1};
     for (int k = 0; k < 2; k++) {
-        struct disturbance disturbance = {PIXEL * pixels[k], 0, 0, bench->seed};
+        struct disturbance disturbance = {PIXEL * pixels[k], 0, 0, 0, bench->seed};
         struct force_options options = usual();
         struct packing measured;
         struct forces forces;

@@ -8,7 +8,7 @@
 #include "pipeline/random.h"
 #include "simulation/simulate.h"
 
-static int copy(const struct packing *from, struct packing *to)
+int packing_copy(const struct packing *from, struct packing *to)
 {
     memset(to, 0, sizeof *to);
     to->length_m = from->length_m;
@@ -20,6 +20,8 @@ static int copy(const struct packing *from, struct packing *to)
         struct forces *forces = &to->forces[to->force_count++];
         memcpy(forces->method, from->forces[k].method, sizeof forces->method);
         memcpy(forces->stress, from->forces[k].stress, sizeof forces->stress);
+        forces->converged = from->forces[k].converged;
+        forces->kn = from->forces[k].kn, forces->kt = from->forces[k].kt, forces->mu = from->forces[k].mu;
         if (table_copy(&CONTACT_FORCES, &forces->contact, &from->forces[k].contact))
             return -1;
     }
@@ -34,27 +36,35 @@ static int keep(const struct packing *packing, const struct simulation_state *st
     if (!grown)
         return error_memory("states");
     states->state = grown;
-    return copy(packing, &grown[states->count++]);
+    return packing_copy(packing, &grown[states->count++]);
 }
 
-int states_simulate(double grains, double kappa, uint64_t seed, long steps, double strain, struct states *states)
+int states_make(const struct states_test *test, struct states *states)
 {
     struct simulation simulation = SIMULATION_DEFAULT;
-    double share = grains / 1850;
+    double share = test->grains / 1850;
     const struct grade grading[] = {{(long)(798 * share + 0.5), 8e-3},
                                     {(long)(426 * share + 0.5), 12e-3},
                                     {(long)(406 * share + 0.5), 14e-3},
                                     {(long)(220 * share + 0.5), 20e-3}};
-    const struct loading_steps loading[] = {{steps, strain}};
+    const struct loading_steps loading[] = {{test->steps, test->strain}};
     memset(states, 0, sizeof *states);
-    simulation.seed = seed;
+    simulation.seed = test->seed;
     simulation.grading = grading, simulation.grade_count = 4;
     simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.5};
-    simulation.kappa = kappa;
-    simulation.tolerance = 1e-9;
+    simulation.kappa = test->kappa;
+    simulation.tolerance = test->tolerance;
+    if (test->patience > 0)
+        simulation.max_steps = test->patience;
     simulation.test = TEST_BIAXIAL_VERTICAL;
-    simulation.steps = loading, simulation.step_count = steps > 0;
+    simulation.steps = loading, simulation.step_count = test->steps > 0;
     return simulate(&simulation, keep, states);
+}
+
+int states_simulate(double grains, double kappa, uint64_t seed, long steps, double strain, struct states *states)
+{
+    const struct states_test test = {grains, kappa, seed, steps, strain, 1e-9, 0};
+    return states_make(&test, states);
 }
 
 void states_free(struct states *states)
@@ -143,7 +153,7 @@ int states_disturb(const struct packing *truth, const struct disturbance *distur
 {
     double unit = states_mean_force(truth) / 1.09e7;
     static const char *const errors[] = {"s_x_ref", "s_y_ref", "s_radius", NULL};
-    if (copy(truth, measured) || table_add(&CONTACTS, &measured->contacts, "s_overlap"))
+    if (packing_copy(truth, measured) || table_add(&CONTACTS, &measured->contacts, "s_overlap"))
         return -1;
     for (int k = 0; errors[k]; k++)
         if (table_add(&GRAINS, &measured->grains, errors[k]))
@@ -153,6 +163,7 @@ int states_disturb(const struct packing *truth, const struct disturbance *distur
         g->x[k] += unit * disturbance->place * random_normal(disturbance->seed, 3 * k);
         g->y[k] += unit * disturbance->place * random_normal(disturbance->seed, 3 * k + 1);
         g->radius[k] += unit * disturbance->radius * random_normal(disturbance->seed, 3 * k + 2);
+        g->radius[k] *= 1 + disturbance->scale;
         g->s_x_ref[k] = g->s_y_ref[k] = unit * disturbance->place;
         g->s_radius[k] = unit * disturbance->radius;
     }
@@ -167,7 +178,7 @@ int states_disturb(const struct packing *truth, const struct disturbance *distur
 
 /* ---- comparison ---- */
 
-static double force_at(const struct contacts *contacts, const double *force, int64_t i, int64_t j, size_t near)
+double states_force_at(const struct contacts *contacts, const double *force, int64_t i, int64_t j, size_t near)
 {
     size_t n = contacts->count; /* rows of both tables are sorted alike: look near the last hit first */
     for (size_t k = 0; k < n; k++) {
@@ -187,7 +198,7 @@ double states_r(const struct packing *truth, const struct packing *packing, cons
     for (size_t c = 0; c < contacts->count; c++) {
         if (!walls && contacts->j[c] >= grains)
             continue;
-        double p = true_force[c], q = force_at(&packing->contacts, force, contacts->i[c], contacts->j[c], c);
+        double p = true_force[c], q = states_force_at(&packing->contacts, force, contacts->i[c], contacts->j[c], c);
         n++, a += p, b += q, aa += p * p, bb += q * q, ab += p * q;
     }
     return (ab - a * b / n) / sqrt((aa - a * a / n) * (bb - b * b / n));

@@ -1,0 +1,230 @@
+#include "tests/bench/thesis.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/error.h"
+#include "report/canvas.h"
+#include "report/map.h"
+
+void thesis_line(struct thesis *thesis, const char *format, ...)
+{
+    char line[400];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(line, sizeof line, format, values);
+    va_end(values);
+    puts(line);
+    fflush(stdout);
+    fprintf(thesis->table, "%s\n", line);
+}
+
+/* ---- pictures ---- */
+
+static int begin(const struct thesis *thesis, struct canvas *canvas, double width, double height)
+{
+    char path[1000];
+    snprintf(path, sizeof path, "%s/figure-%s.png", thesis->folder, thesis->figure);
+    return canvas_begin(canvas, path, width, height);
+}
+
+int thesis_picture(const struct thesis *thesis, struct chart *charts, size_t count)
+{
+    enum { WIDTH = 560, HEIGHT = 380 };
+    struct canvas canvas = {0};
+    int status = begin(thesis, &canvas, WIDTH * (double)count, HEIGHT);
+    for (size_t k = 0; k < count; k++) {
+        if (!status) {
+            cairo_save(canvas.cairo);
+            cairo_translate(canvas.cairo, WIDTH * (double)k, 0);
+            chart_draw(&charts[k], canvas.cairo, WIDTH, HEIGHT);
+            cairo_restore(canvas.cairo);
+        }
+        chart_free(&charts[k]);
+    }
+    return status ? -1 : canvas_commit(&canvas);
+}
+
+int thesis_maps(const struct thesis *thesis, const struct packing *const *packings, const struct forces *const *forces,
+                const char *const *titles, size_t count)
+{
+    enum { WIDTH = 620 };
+    struct canvas canvas = {0};
+    struct map first = {.packing = packings[0], .forces = forces[0], .mean_fn = NAN, .width = WIDTH};
+    if (map_measure(&first) || begin(thesis, &canvas, WIDTH * (double)count, first.height))
+        return -1;
+    for (size_t k = 0; k < count; k++) {
+        struct map map = {
+            .packing = packings[k], .forces = forces[k], .title = titles[k], .mean_fn = NAN, .width = WIDTH};
+        cairo_save(canvas.cairo);
+        cairo_translate(canvas.cairo, WIDTH * (double)k, 0);
+        int failed = map_measure(&map) || map_draw(&map, canvas.cairo);
+        cairo_restore(canvas.cairo);
+        if (failed) {
+            canvas_discard(&canvas);
+            return -1;
+        }
+    }
+    return canvas_commit(&canvas);
+}
+
+struct chart_line *thesis_scatter(struct chart *chart, const char *name, size_t capacity)
+{
+    return chart_add(chart, name, 2 * capacity + 2);
+}
+
+void thesis_point(struct chart_line *line, double x, double y)
+{
+    chart_put(line, x, y);
+    chart_put(line, NAN, NAN);
+}
+
+/* ---- states ---- */
+
+static void path_of(const struct thesis *thesis, const struct thesis_test *test, long s, char path[1000])
+{
+    snprintf(path, 1000, "%s/states-%g-%g-%llu-%ldx%g-%ld-%04ld.hdf", thesis->folder, test->grains, test->kappa,
+             (unsigned long long)test->seed, test->steps, test->strain, test->patience, s);
+}
+
+static int read_states(const struct thesis *thesis, const struct thesis_test *test, struct states *states)
+{
+    memset(states, 0, sizeof *states);
+    states->state = calloc((size_t)test->steps + 1, sizeof *states->state);
+    if (!states->state)
+        return error_memory("states");
+    for (long s = 0; s <= test->steps; s++) {
+        char path[1000];
+        path_of(thesis, test, s, path);
+        if (packing_read(path, &states->state[s]))
+            return -1;
+        states->count++;
+    }
+    return 0;
+}
+
+static int write_states(const struct thesis *thesis, const struct thesis_test *test, const struct states *states)
+{
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    provenance.stage = "bench_thesis", provenance.parameters = "{}", provenance.coordinates = "si";
+    for (size_t s = 0; s < states->count; s++) {
+        char path[1000];
+        path_of(thesis, test, (long)s, path);
+        if (packing_write(path, &states->state[s], &provenance))
+            return -1;
+    }
+    return 0;
+}
+
+int thesis_states(const struct thesis *thesis, const struct thesis_test *test, struct states *states)
+{
+    char last[1000];
+    path_of(thesis, test, test->steps, last); /* written last: all are there when it is */
+    FILE *there = fopen(last, "rb");
+    if (there) {
+        fclose(there);
+        return read_states(thesis, test, states);
+    }
+    const struct states_test wanted = {test->grains, test->kappa, test->seed, test->steps, test->strain, 1e-8,
+                                       test->patience};
+    return states_make(&wanted, states) < 0 || write_states(thesis, test, states) ? -1 : 0;
+}
+
+static double height_of(const struct packing *packing)
+{
+    long top = walls_find(&packing->walls, "top"), bottom = walls_find(&packing->walls, "bottom");
+    return packing->walls.y0[top] - packing->walls.y0[bottom];
+}
+
+double thesis_strain(const struct states *states, size_t s)
+{
+    return 1 - height_of(&states->state[s]) / height_of(&states->state[0]);
+}
+
+double thesis_indeterminacy(const struct packing *packing)
+{
+    const struct contacts *contacts = &packing->contacts;
+    const struct grains *grains = &packing->grains;
+    double h = -2; /* two loaded walls */
+    for (size_t c = 0; c < contacts->count; c++) {
+        size_t i = (size_t)contacts->i[c], j = (size_t)contacts->j[c];
+        int wall = j >= grains->count;
+        if (!(grains->flags[i] & GRAIN_RATTLER) && (wall || !(grains->flags[j] & GRAIN_RATTLER)))
+            h += wall ? 1 : 2;
+    }
+    for (size_t k = 0; k < grains->count; k++)
+        h -= grains->flags[k] & GRAIN_RATTLER ? 0 : 3;
+    return h;
+}
+
+/* ---- estimates ---- */
+
+struct force_options thesis_options(enum force_start start)
+{
+    struct force_options options = FORCE_OPTIONS_DEFAULT;
+    options.law.kn = 1.09e7;
+    options.law.mu = 0.5;
+    options.start = start;
+    return options;
+}
+
+/* r of the contacts whose true fn lies in (from, to], those that are missing counting as 0. */
+static double r_between(const struct packing *truth, const struct packing *measured, const double *force, double from,
+                        double to)
+{
+    const struct contacts *contacts = &truth->contacts;
+    const double *fn = packing_forces(truth, "dem")->contact.fn;
+    double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+    for (size_t c = 0; c < contacts->count; c++) {
+        if (fn[c] <= from || fn[c] > to)
+            continue;
+        double p = fn[c], q = states_force_at(&measured->contacts, force, contacts->i[c], contacts->j[c], c);
+        n++, a += p, b += q, aa += p * p, bb += q * q, ab += p * q;
+    }
+    return (ab - a * b / n) / sqrt((aa - a * a / n) * (bb - b * b / n));
+}
+
+static double distance(const struct packing *truth, const struct packing *measured, const struct contact_forces *found)
+{
+    const struct contact_forces *known = &packing_forces(truth, "dem")->contact;
+    const struct contacts *contacts = &truth->contacts;
+    double sum = 0;
+    for (size_t c = 0; c < known->count; c++) {
+        double fn = states_force_at(&measured->contacts, found->fn, contacts->i[c], contacts->j[c], c);
+        double ft = states_force_at(&measured->contacts, found->ft, contacts->i[c], contacts->j[c], c);
+        sum += hypot(fn - known->fn[c], ft - known->ft[c]);
+    }
+    return sum / (double)known->count / states_mean_force(truth);
+}
+
+int thesis_try(const struct packing *truth, const struct packing *measured, const struct force_options *options,
+               enum force_method method, struct trial *trial)
+{
+    if (infer_forces(measured, options, method, &trial->forces))
+        return -1;
+    const struct contact_forces *known = &packing_forces(truth, "dem")->contact, *found = &trial->forces.contact;
+    double mean = states_mean_force(truth);
+    trial->rn = states_r(truth, measured, known->fn, found->fn, 1);
+    trial->rt = states_r(truth, measured, known->ft, found->ft, 0);
+    trial->strong = r_between(truth, measured, found->fn, mean, INFINITY);
+    trial->weak = r_between(truth, measured, found->fn, 0, mean);
+    trial->distance = distance(truth, measured, found);
+    return 0;
+}
+
+void trial_free(struct trial *trial)
+{
+    forces_free(&trial->forces);
+}
+
+int thesis_keep(struct packing *packing, struct forces *forces)
+{
+    struct forces *grown = realloc(packing->forces, (packing->force_count + 1) * sizeof *grown);
+    if (!grown)
+        return error_memory("forces");
+    packing->forces = grown;
+    grown[packing->force_count++] = *forces;
+    memset(forces, 0, sizeof *forces);
+    return 0;
+}
