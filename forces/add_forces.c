@@ -5,6 +5,8 @@
 
 #include "forces/fclib.h"
 #include "forces/network.h"
+#include "forces/range.h"
+#include "forces/walk.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 
@@ -43,6 +45,18 @@ static int read_state_with_forces(const char *path, struct packing *packing)
     return packing->force_count ? 0 : error_input("%s: has no forces: give a file written by forces or simulate", path);
 }
 
+/* What else the forces could be: a random walk, exact ranges. */
+static int look_around(const struct packing *packing, const struct force_options *options, enum force_method method,
+                       struct forces *forces)
+{
+    if (options->walk > 0 && walk_forces(packing, options, method, forces))
+        return -1;
+    if (options->walk > 0)
+        log_event("walk", "states", forces->walk.states, "variance_fn", forces->walk.variance[0], "variance_ft",
+                  forces->walk.variance[1], "range_fn", forces->walk.range[0], "range_ft", forces->walk.range[1], NULL);
+    return options->range ? range_forces(packing, options, method, forces) : 0;
+}
+
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
@@ -54,6 +68,10 @@ static int infer_all(const struct force_request *request, const struct force_opt
         struct forces inferred, *room;
         if (infer_forces(packing, options, method, &inferred))
             return error_context("%s", request->input);
+        if (look_around(packing, options, method, &inferred)) {
+            forces_free(&inferred);
+            return error_context("%s", request->input);
+        }
         if (!(room = make_room(packing, method))) {
             forces_free(&inferred);
             return -1;

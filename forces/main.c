@@ -11,14 +11,14 @@
 struct arguments {
     struct cli cli;
     struct cli_inputs inputs;
-    const char *previous, *start, *fclib;
-    int series;                            /* --method series: all inputs together */
-    struct method_list methods;            /* count 0: not on the command line */
-    double tolerance, iterations, samples; /* NaN: not on the command line */
-    int fix;                               /* -1: not on the command line */
+    const char *previous, *start, *fclib, *range;
+    int series;                                  /* --method series: all inputs together */
+    struct method_list methods;                  /* count 0: not on the command line */
+    double tolerance, iterations, samples, walk; /* NaN: not on the command line */
+    int fix;                                     /* -1: not on the command line */
 };
 
-enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, FCLIB };
+enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, FCLIB };
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -32,6 +32,8 @@ static const struct argp_option option_list[] = {
     {"tolerance", TOLERANCE, "X", 0, "Largest unbalanced force over the mean normal force (1e-6)", 0},
     {"iterations", ITERATIONS, "N", 0, "Stop after N iterations (0: the method's own limit)", 0},
     {"samples", SAMPLES, "N", 0, "map: N draws for standard deviations and 90 % intervals (0: none)", 0},
+    {"walk", WALK, "N", 0, "cdm, qsm, map: N random jumps from the forces found, for their variability (0: none)", 0},
+    {"range", RANGE, "ROWS", 0, "Exact least and largest fn of these contacts: 3,10-14 or all", 0},
     {"fclib", FCLIB, "FILE", 0, "Also write the contact problem for other solvers (Local form of FCLib, HDF5)", 0},
     {0}};
 
@@ -64,6 +66,12 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         return 0;
     case SAMPLES:
         arguments->samples = cli_number(state, "--samples", arg, 0, 1e5);
+        return 0;
+    case WALK:
+        arguments->walk = cli_number(state, "--walk", arg, 0, 1e6);
+        return 0;
+    case RANGE:
+        arguments->range = arg;
         return 0;
     case FCLIB:
         arguments->fclib = arg;
@@ -141,6 +149,9 @@ static int run(const struct arguments *arguments)
             request.options.iterations = (int)arguments->iterations;
         if (arguments->samples >= 0)
             request.options.samples = (int)arguments->samples;
+        if (arguments->walk >= 0)
+            request.options.walk = (int)arguments->walk;
+        request.options.range = arguments->range;
         status = add_forces(&request, &unbalanced, &grains);
     }
     scene_free(&scene);
@@ -165,7 +176,8 @@ int main(int argc, char **argv)
         children,
         NULL,
         NULL};
-    struct arguments arguments = {.cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .samples = NAN, .fix = -1};
+    struct arguments arguments = {
+        .cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .samples = NAN, .walk = NAN, .fix = -1};
     cli_parse(&parser, argc, argv, &arguments);
     int status = arguments.series ? run_series(&arguments) : run(&arguments);
     cli_inputs_free(&arguments.inputs);

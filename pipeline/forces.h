@@ -24,6 +24,13 @@ struct residuals {
 };
 extern const struct table_kind RESIDUALS;
 
+/* What a random walk over admissible forces has seen, means over the contacts, of fn and of ft (thesis 3.8, 3.9). */
+struct walk_summary {
+    double states;      /* 0: no walk */
+    double variance[2]; /* over <fn>^2 */
+    double range[2];    /* over <fn> */
+};
+
 /* One group /forces/METHOD. */
 struct forces {
     char method[NAME_LENGTH]; /* "cem" "qsm" "cdm" "map" "series"; truth: "dem" */
@@ -36,7 +43,8 @@ struct forces {
     double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
     double kn, kt;       /* N/m, as used; NaN when not used */
     double mu;
-    double misfit[2]; /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
+    double misfit[2];         /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
+    struct walk_summary walk; /* attributes walk_states, walk_variance, walk_range (fn, ft) */
 };
 
 void forces_free(struct forces *forces); /* accepts a zeroed struct */

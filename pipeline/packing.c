@@ -133,7 +133,10 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_numbers(state, group, "kt", &forces->kt, 1) < 0 ||
         state_read_numbers(state, group, "mu", &forces->mu, 1) < 0 ||
         state_read_numbers(state, group, "misfit_x", &forces->misfit[0], 1) < 0 ||
-        state_read_numbers(state, group, "misfit_y", &forces->misfit[1], 1) < 0)
+        state_read_numbers(state, group, "misfit_y", &forces->misfit[1], 1) < 0 ||
+        state_read_numbers(state, group, "walk_states", &forces->walk.states, 1) < 0 ||
+        state_read_numbers(state, group, "walk_variance", forces->walk.variance, 2) < 0 ||
+        state_read_numbers(state, group, "walk_range", forces->walk.range, 2) < 0)
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
@@ -206,6 +209,15 @@ static int write_misfit(struct state_writer *writer, const char *group, const st
            state_write_numbers(writer, group, "misfit_y", &forces->misfit[1], 1);
 }
 
+static int write_walk(struct state_writer *writer, const char *group, const struct walk_summary *walk)
+{
+    if (!(walk->states > 0))
+        return 0;
+    return state_write_numbers(writer, group, "walk_states", &walk->states, 1) ||
+           state_write_numbers(writer, group, "walk_variance", walk->variance, 2) ||
+           state_write_numbers(writer, group, "walk_range", walk->range, 2);
+}
+
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];
@@ -220,7 +232,8 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "stress", &forces->stress[0][0], 4) ||
                    state_write_numbers(writer, group, "kn", &forces->kn, 1) ||
                    state_write_numbers(writer, group, "kt", &forces->kt, 1) ||
-                   state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces)
+                   state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces) ||
+                   write_walk(writer, group, &forces->walk)
                ? -1
                : 0;
 }

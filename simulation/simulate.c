@@ -14,7 +14,7 @@ struct run {
     simulation_save *save;
     void *user;
     int64_t index;
-    int unrelaxed; /* a state did not come to rest */
+    long unrelaxed; /* states that did not come to rest */
 };
 
 static void strain_since(const struct dem_box *then, const struct dem_box *now, double strain[3])
@@ -50,7 +50,7 @@ static int save_state(struct run *run, int relaxed)
         return -1;
     if (!run->reference.given && snapshot_take(dem, &run->reference))
         return -1;
-    run->unrelaxed |= !relaxed;
+    run->unrelaxed += !relaxed;
     run->index++;
     return 0;
 }
@@ -92,8 +92,12 @@ int simulate(const struct simulation *simulation, simulation_save *save, void *u
     int status = placement(simulation, &run.loading.dem);
     if (!status)
         status = run_all(&run);
-    if (!status && run.unrelaxed)
+    if (!status && run.unrelaxed) {
+        error_set(EXIT_FLAGGED,
+                  "simulation: %ld of %ld states did not come to rest in %ld steps: raise max_steps or tolerance",
+                  run.unrelaxed, (long)run.index, simulation->max_steps);
         status = 1;
+    }
     snapshot_free(&run.reference);
     snapshot_free(&run.previous);
     dem_free(&run.loading.dem);

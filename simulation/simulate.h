@@ -118,7 +118,7 @@ struct simulation_state {
 /* Called with each state; the packing is borrowed. Not 0: stop with this failure. */
 typedef int simulation_save(const struct packing *packing, const struct simulation_state *state, void *user);
 
-/* 0; 1 when a state could not be relaxed (it was saved, relaxed = 0); -1 on failure. */
+/* 0; 1 when a state could not be relaxed (it was saved, relaxed = 0), with a line that says so; -1 on failure. */
 int simulate(const struct simulation *simulation, simulation_save *save, void *user);
 /* How many states it will save. */
 long simulation_states(const struct simulation *simulation);

@@ -12,8 +12,9 @@
 #include "pipeline/error.h"
 #include "tests/bench/thesis.h"
 
-static const struct figure *const CHAPTERS[] = {FIGURES_THREE_DISCS, FIGURES_THREE_PATHS, FIGURES_STARTS, FIGURES_CEM,
-                                                FIGURES_SERIES,      FIGURES_NETWORK,     FIGURES_VARIABILITY};
+static const struct figure *const CHAPTERS[] = {FIGURES_THREE_DISCS, FIGURES_THREE_PATHS, FIGURES_STARTS,
+                                                FIGURES_CEM,         FIGURES_SERIES,      FIGURES_NETWORK,
+                                                FIGURES_VARIABILITY};
 enum { CHAPTER_COUNT = sizeof CHAPTERS / sizeof *CHAPTERS };
 
 static int make(const struct figure *figure, const char *folder)

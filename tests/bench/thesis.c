@@ -126,8 +126,8 @@ int thesis_states(const struct thesis *thesis, const struct thesis_test *test, s
         fclose(there);
         return read_states(thesis, test, states);
     }
-    const struct states_test wanted = {test->grains, test->kappa, test->seed, test->steps, test->strain, 1e-8,
-                                       test->patience};
+    const struct states_test wanted = {test->grains, test->kappa, test->seed,    test->steps,
+                                       test->strain, 1e-8,        test->patience};
     return states_make(&wanted, states) < 0 || write_states(thesis, test, states) ? -1 : 0;
 }
 

@@ -131,9 +131,11 @@ static int follow(struct states *states, const struct chain *chain, struct step 
         struct packing *now = &states->state[s];
         if (advance(now, &states->state[s - (size_t)chain->window], chain))
             return -1;
-        const struct contact_forces *truth = &now->forces[0].contact, *found = &now->forces[now->force_count - 1].contact;
-        steps[done++] = (struct step){100 * thesis_strain(states, s), states_r(now, now, truth->fn, found->fn, 1),
-                                      states_r(now, now, truth->ft, found->ft, 0), weber(now, found) / weber(now, truth)};
+        const struct contact_forces *truth = &now->forces[0].contact,
+                                    *found = &now->forces[now->force_count - 1].contact;
+        steps[done++] =
+            (struct step){100 * thesis_strain(states, s), states_r(now, now, truth->fn, found->fn, 1),
+                          states_r(now, now, truth->ft, found->ft, 0), weber(now, found) / weber(now, truth)};
     }
     forget(states);
     return done;
@@ -142,7 +144,8 @@ static int follow(struct states *states, const struct chain *chain, struct step 
 static int add_columns(struct states *states)
 {
     for (size_t s = 0; s < states->count; s++)
-        if (table_add(&CONTACTS, &states->state[s].contacts, "dun") || table_add(&CONTACTS, &states->state[s].contacts, "dut"))
+        if (table_add(&CONTACTS, &states->state[s].contacts, "dun") ||
+            table_add(&CONTACTS, &states->state[s].contacts, "dut"))
             return -1;
     return 0;
 }
@@ -171,8 +174,9 @@ static struct step steps[STEPS + 1], others[STEPS + 1];
 
 static int figure_3_5(struct thesis *thesis)
 {
-    struct chart charts[] = {{.title = "3.5 initial ft known", .x_label = "vertical strain, %", .y_label = "r(ft)"},
-                             {.title = "3.5 initial ft neglected", .x_label = "vertical strain, %", .y_label = "r(ft)"}};
+    struct chart charts[] = {
+        {.title = "3.5 initial ft known", .x_label = "vertical strain, %", .y_label = "r(ft)"},
+        {.title = "3.5 initial ft neglected", .x_label = "vertical strain, %", .y_label = "r(ft)"}};
     struct states states;
     if (test_states(thesis, 1000, &states) || add_columns(&states))
         return -1;
@@ -210,7 +214,8 @@ static int difference(struct thesis *thesis, double kappa, int known_normal, str
         chart_put(lines[0], steps[k].strain, a), chart_put(lines[1], steps[k].strain, b);
         chart_put(gap, steps[k].strain, a - b);
         if (k == 0 || (k + 1) % 160 == 0)
-            thesis_line(thesis, "strain %5.2f %%: known %.4f, neglected %.4f, difference %.4f", steps[k].strain, a, b, a - b);
+            thesis_line(thesis, "strain %5.2f %%: known %.4f, neglected %.4f, difference %.4f", steps[k].strain, a, b,
+                        a - b);
     }
     states_free(&states);
     return thesis_picture(thesis, charts, 2);
@@ -218,21 +223,24 @@ static int difference(struct thesis *thesis, double kappa, int known_normal, str
 
 static int figure_3_6(struct thesis *thesis)
 {
-    struct chart charts[] = {{.title = "3.6 r(ft), smallest window", .x_label = "vertical strain, %", .y_label = "r(ft)"},
-                             {.title = "3.6 difference", .x_label = "vertical strain, %", .y_label = "difference of r(ft)"}};
+    struct chart charts[] = {
+        {.title = "3.6 r(ft), smallest window", .x_label = "vertical strain, %", .y_label = "r(ft)"},
+        {.title = "3.6 difference", .x_label = "vertical strain, %", .y_label = "difference of r(ft)"}};
     return difference(thesis, 100, 1, charts);
 }
 
 static int figure_3_8(struct thesis *thesis)
 {
-    struct chart charts[] = {{.title = "3.8 r(fn), smallest window", .x_label = "vertical strain, %", .y_label = "r(fn)"},
-                             {.title = "3.8 difference", .x_label = "vertical strain, %", .y_label = "difference of r(fn)"}};
+    struct chart charts[] = {
+        {.title = "3.8 r(fn), smallest window", .x_label = "vertical strain, %", .y_label = "r(fn)"},
+        {.title = "3.8 difference", .x_label = "vertical strain, %", .y_label = "difference of r(fn)"}};
     return difference(thesis, 100, 0, charts);
 }
 
 static int figure_3_7(struct thesis *thesis)
 {
-    struct chart chart = {.title = "3.7 Weber stress yy of cem over the true one", .x_label = "vertical strain, %", .y_label = "ratio"};
+    struct chart chart = {
+        .title = "3.7 Weber stress yy of cem over the true one", .x_label = "vertical strain, %", .y_label = "ratio"};
     struct states states;
     if (test_states(thesis, 1000, &states) || add_columns(&states))
         return -1;
@@ -273,8 +281,14 @@ static double most_turned(const struct packing *now, const struct packing *then)
 static int figure_3_10(struct thesis *thesis)
 {
     enum { WIDE = 10 };
-    struct chart charts[] = {{.title = "3.10 normal motion over change of overlap", .x_label = "log10 turn of the normal, degrees", .y_label = "ratio", .log_y = 1},
-                             {.title = "3.10 error of the increment", .x_label = "log10 turn of the normal, degrees", .y_label = "|error| / increment", .log_y = 1}};
+    struct chart charts[] = {{.title = "3.10 normal motion over change of overlap",
+                              .x_label = "log10 turn of the normal, degrees",
+                              .y_label = "ratio",
+                              .log_y = 1},
+                             {.title = "3.10 error of the increment",
+                              .x_label = "log10 turn of the normal, degrees",
+                              .y_label = "|error| / increment",
+                              .log_y = 1}};
     struct states states;
     size_t calm = WIDE, wild = WIDE;
     if (test_states(thesis, 100, &states))
@@ -289,14 +303,18 @@ static int figure_3_10(struct thesis *thesis)
     for (int k = 0; k < 2; k++) {
         const struct packing *now = &states.state[k ? wild : calm], *then = &states.state[(k ? wild : calm) - WIDE];
         size_t n = now->contacts.count;
-        struct chart_line *ratio = thesis_scatter(&charts[0], k ? "rearranging" : "calm", n), *error = thesis_scatter(&charts[1], k ? "rearranging" : "calm", n);
+        struct chart_line *ratio = thesis_scatter(&charts[0], k ? "rearranging" : "calm", n),
+                          *error = thesis_scatter(&charts[1], k ? "rearranging" : "calm", n);
         double below = 0, used = 0, worst = 0;
         if (!ratio || !error)
             return -1;
         for (size_t c = 0, r = 0; c < n; c++) {
-            for (size_t seen = 0; seen < then->contacts.count && (then->contacts.i[r] != now->contacts.i[c] || then->contacts.j[r] != now->contacts.j[c]); seen++)
+            for (size_t seen = 0; seen < then->contacts.count && (then->contacts.i[r] != now->contacts.i[c] ||
+                                                                  then->contacts.j[r] != now->contacts.j[c]);
+                 seen++)
                 r = (r + 1) % then->contacts.count;
-            double un, ut, angle = fmax(1e-6, turned(now, then, c)), grown = now->contacts.overlap[c] - then->contacts.overlap[r];
+            double un, ut, angle = fmax(1e-6, turned(now, then, c)),
+                           grown = now->contacts.overlap[c] - then->contacts.overlap[r];
             if (then->contacts.i[r] != now->contacts.i[c] || then->contacts.j[r] != now->contacts.j[c] || grown == 0)
                 continue;
             motions(now, then, c, &un, &ut);
@@ -304,8 +322,11 @@ static int figure_3_10(struct thesis *thesis)
             thesis_point(error, log10(angle), fabs(-un / grown - 1));
             used++, below += fabs(-un / grown - 1) < 0.01, worst = fmax(worst, fabs(-un / grown - 1));
         }
-        thesis_line(thesis, "%-12s strain %.3f %%: normals turn up to %.3g degrees, %.0f %% of the increments within 1 %%, worst error %.3g",
-                    k ? "rearranging" : "calm", 100 * thesis_strain(&states, k ? wild : calm), most_turned(now, then), 100 * below / used, worst);
+        thesis_line(thesis,
+                    "%-12s strain %.3f %%: normals turn up to %.3g degrees, %.0f %% of the increments within 1 %%, "
+                    "worst error %.3g",
+                    k ? "rearranging" : "calm", 100 * thesis_strain(&states, k ? wild : calm), most_turned(now, then),
+                    100 * below / used, worst);
     }
     states_free(&states);
     return thesis_picture(thesis, charts, 2);
@@ -313,7 +334,9 @@ static int figure_3_10(struct thesis *thesis)
 
 static int figure_3_11(struct thesis *thesis)
 {
-    struct chart chart = {.title = "3.11 fn from normal motions, initial forces known", .x_label = "vertical strain, %", .y_label = "r(fn)"};
+    struct chart chart = {.title = "3.11 fn from normal motions, initial forces known",
+                          .x_label = "vertical strain, %",
+                          .y_label = "r(fn)"};
     struct states states;
     if (test_states(thesis, 100, &states) || add_columns(&states))
         return -1;
@@ -327,7 +350,8 @@ static int figure_3_11(struct thesis *thesis)
             return -1;
         for (int k = 0; k < count; k++)
             chart_put(line, steps[k].strain, steps[k].rn);
-        thesis_line(thesis, "window %-8s r(fn) after the first %.4f, late (last quarter) %.4f", name, steps[0].rn, late(steps, count, rn_of));
+        thesis_line(thesis, "window %-8s r(fn) after the first %.4f, late (last quarter) %.4f", name, steps[0].rn,
+                    late(steps, count, rn_of));
     }
     states_free(&states);
     return thesis_picture(thesis, &chart, 1);

@@ -42,7 +42,8 @@ static double r_common(const struct packing *truth, const struct packing *measur
     const struct contacts *contacts = &truth->contacts;
     double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
     for (size_t c = 0; c < contacts->count; c++) {
-        if ((!walls && contacts->j[c] >= (int64_t)truth->grains.count) || !has(measured, contacts->i[c], contacts->j[c], c))
+        if ((!walls && contacts->j[c] >= (int64_t)truth->grains.count) ||
+            !has(measured, contacts->i[c], contacts->j[c], c))
             continue;
         double p = known[c], q = states_force_at(&measured->contacts, found, contacts->i[c], contacts->j[c], c);
         n++, a += p, b += q, aa += p * p, bb += q * q, ab += p * q;
@@ -73,9 +74,14 @@ static int estimate(const struct packing *measured, enum force_method method, st
 /* Disturbances in units of the mean overlap; radii: of every radius, else of the places. */
 static int decay(struct thesis *thesis, enum force_method method, int radii, const double *sizes, int count)
 {
-    struct chart charts[] = {{.title = "normal forces", .x_label = radii ? "contacts gained - lost, %" : "contacts lost + gained, %", .y_label = "r(fn)"},
-                             {.title = "tangential forces", .x_label = radii ? "contacts gained - lost, %" : "contacts lost + gained, %", .y_label = "r(ft)"}};
-    thesis_line(thesis, "%8s %10s %8s %9s %8s %8s %9s", "kappa", radii ? "radii by" : "places by", "lost, %", "gained, %", "r(fn)", "r(ft)", "residual");
+    struct chart charts[] = {{.title = "normal forces",
+                              .x_label = radii ? "contacts gained - lost, %" : "contacts lost + gained, %",
+                              .y_label = "r(fn)"},
+                             {.title = "tangential forces",
+                              .x_label = radii ? "contacts gained - lost, %" : "contacts lost + gained, %",
+                              .y_label = "r(ft)"}};
+    thesis_line(thesis, "%8s %10s %8s %9s %8s %8s %9s", "kappa", radii ? "radii by" : "places by", "lost, %",
+                "gained, %", "r(fn)", "r(ft)", "residual");
     for (int k = 0; k < 3; k++) {
         struct states states;
         char name[40];
@@ -111,7 +117,7 @@ static int decay(struct thesis *thesis, enum force_method method, int radii, con
     return thesis_picture(thesis, charts, 2);
 }
 
-static const double RADII[] = {-0.8, -0.4, -0.2, -0.1, -0.05, 0, 0.1, 0.4, 1, 2};
+static const double RADII[] = {-0.2, -0.1, -0.05, -0.02, -0.01, 0, 0.1, 0.4, 1, 2};
 static const double PLACES[] = {0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1};
 
 static int figure_3_17(struct thesis *thesis)
@@ -157,7 +163,8 @@ static int maps(struct thesis *thesis, enum force_method method, int radii, doub
             return -1;
         struct change change = changes(truth, &measured[s]);
         double rn = r_common(truth, &measured[s], truth->forces[0].contact.fn, forces[s].contact.fn, 1);
-        snprintf(names[s], sizeof names[s], "%.0f %% lost, %.0f %% gained, r(fn) = %.2f", 100 * change.lost, 100 * change.gained, rn);
+        snprintf(names[s], sizeof names[s], "%.0f %% lost, %.0f %% gained, r(fn) = %.2f", 100 * change.lost,
+                 100 * change.gained, rn);
         thesis_line(thesis, "%s %s", FORCE_METHODS[method], names[s]);
     }
     const struct packing *packings[] = {truth, &measured[0], &measured[1]};
@@ -172,17 +179,17 @@ static int maps(struct thesis *thesis, enum force_method method, int radii, doub
 
 static int figure_3_18(struct thesis *thesis)
 {
-    return maps(thesis, METHOD_QSM, 1, -0.1, 1);
+    return maps(thesis, METHOD_QSM, 1, -0.02, 0.1);
 }
 
 static int figure_3_20(struct thesis *thesis)
 {
-    return maps(thesis, METHOD_QSM, 0, 0.1, 0.2);
+    return maps(thesis, METHOD_QSM, 0, 0.02, 0.05);
 }
 
 static int figure_3_30(struct thesis *thesis)
 {
-    return maps(thesis, METHOD_CDM, 1, -0.2, 1);
+    return maps(thesis, METHOD_CDM, 1, -0.05, 0.4);
 }
 
 static int figure_3_33(struct thesis *thesis)
@@ -194,7 +201,8 @@ static int figure_3_33(struct thesis *thesis)
 
 static int figure_3_31(struct thesis *thesis)
 {
-    struct chart chart = {.title = "3.31 contacts that are not there", .x_label = "fn / <fn>", .y_label = "share of them"};
+    struct chart chart = {
+        .title = "3.31 contacts that are not there", .x_label = "fn / <fn>", .y_label = "share of them"};
     struct states states;
     struct packing measured;
     struct forces forces;

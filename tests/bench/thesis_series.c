@@ -9,7 +9,7 @@
 enum { STEPS = 16, STATES = STEPS + 1 };
 #define STEP_STRAIN 2.5e-3
 #define GRAINS 400
-#define UNREST 60 /* steps of relaxation of a state that is not allowed to come to rest */
+#define UNREST 600 /* steps of relaxation of a state that is not allowed to come to rest */
 
 /* How each state of a chain starts. */
 enum kind {
@@ -94,9 +94,14 @@ static int run_curve(struct thesis *thesis, const struct curve *curve, struct st
         if (run_state(&states, s, curve, &trial))
             return -1;
         const struct forces *truth = packing_forces(&states.state[s], "dem");
-        steps[s] = (struct step){.strain = 100 * thesis_strain(&states, s), .h = thesis_indeterminacy(&states.state[s]),
-                                 .rn = trial.rn, .rt = trial.rt, .strong = trial.strong, .weak = trial.weak,
-                                 .imbalance = trial.forces.imbalance, .converged = trial.forces.converged};
+        steps[s] = (struct step){.strain = 100 * thesis_strain(&states, s),
+                                 .h = thesis_indeterminacy(&states.state[s]),
+                                 .rn = trial.rn,
+                                 .rt = trial.rt,
+                                 .strong = trial.strong,
+                                 .weak = trial.weak,
+                                 .imbalance = trial.forces.imbalance,
+                                 .converged = trial.forces.converged};
         for (int k = 0; k < 2; k++)
             steps[s].stress[k] = trial.forces.stress[k][k] / 1e3, steps[s].true_stress[k] = truth->stress[k][k] / 1e3;
         int status = thesis_keep(&states.state[s], &trial.forces); /* for the next one */
@@ -127,7 +132,8 @@ static int along(struct thesis *thesis, const struct curve *curves, int count, i
                              {.title = "tangential forces", .x_label = "vertical strain, %", .y_label = "r(ft)"}};
     for (int k = 0; k < count; k++) {
         struct step steps[STATES];
-        struct chart_line *lines[2] = {chart_add(&charts[0], curves[k].name, STATES), chart_add(&charts[1], curves[k].name, STATES)};
+        struct chart_line *lines[2] = {chart_add(&charts[0], curves[k].name, STATES),
+                                       chart_add(&charts[1], curves[k].name, STATES)};
         if (!lines[0] || !lines[1] || run_curve(thesis, &curves[k], steps))
             return -1;
         say(thesis, &curves[k], steps);
@@ -167,7 +173,8 @@ ALONG(3_39, 0, {100, METHOD_CDM, FROM_ZERO, "cdm", 0}, {100, METHOD_QSM, FROM_ZE
 
 static int figure_3_24(struct thesis *thesis)
 {
-    static const struct curve curves[] = {{100, METHOD_CDM, FROM_ZERO, "zero", 0}, {100, METHOD_CDM, FROM_PREVIOUS, "previous", 0}};
+    static const struct curve curves[] = {{100, METHOD_CDM, FROM_ZERO, "zero", 0},
+                                          {100, METHOD_CDM, FROM_PREVIOUS, "previous", 0}};
     struct chart chart = {.title = "3.24 Weber stress", .x_label = "vertical strain, %", .y_label = "stress, kPa"};
     for (int k = 0; k < 2; k++) {
         struct step steps[STATES];
@@ -177,7 +184,8 @@ static int figure_3_24(struct thesis *thesis)
         for (int a = 0; a < 2; a++) {
             char name[40];
             snprintf(name, sizeof name, "%s %s", curves[k].name, a ? "yy" : "xx");
-            struct chart_line *line = chart_add(&chart, name, STATES), *truth = k ? NULL : chart_add(&chart, a ? "truth yy" : "truth xx", STATES);
+            struct chart_line *line = chart_add(&chart, name, STATES),
+                              *truth = k ? NULL : chart_add(&chart, a ? "truth yy" : "truth xx", STATES);
             for (int s = 0; line && s < STATES; s++) {
                 chart_put(line, steps[s].strain, steps[s].stress[a]);
                 if (truth)
@@ -193,8 +201,10 @@ static int figure_3_24(struct thesis *thesis)
 static int figure_3_40(struct thesis *thesis)
 {
     static const struct curve curve = {100, METHOD_CDM, FROM_ZERO, "zero", 0};
-    struct chart chart = {.title = "3.40 strong and weak network, cdm", .x_label = "vertical strain, %", .y_label = "r(fn)"};
-    struct chart_line *lines[] = {chart_add(&chart, "all", STATES), chart_add(&chart, "strong", STATES), chart_add(&chart, "weak", STATES)};
+    struct chart chart = {
+        .title = "3.40 strong and weak network, cdm", .x_label = "vertical strain, %", .y_label = "r(fn)"};
+    struct chart_line *lines[] = {chart_add(&chart, "all", STATES), chart_add(&chart, "strong", STATES),
+                                  chart_add(&chart, "weak", STATES)};
     struct step steps[STATES];
     double sum[3] = {0};
     if (!lines[2] || run_curve(thesis, &curve, steps))
@@ -212,20 +222,23 @@ static int figure_3_40(struct thesis *thesis)
 
 static int against_h(struct thesis *thesis, const struct curve *curves, int count)
 {
-    struct chart charts[] = {{.title = "normal forces", .x_label = "h / contacts between free bodies, 1", .y_label = "r(fn)"},
-                             {.title = "tangential forces", .x_label = "h / contacts between free bodies, 1", .y_label = "r(ft)"}};
+    struct chart charts[] = {
+        {.title = "normal forces", .x_label = "h / contacts between free bodies, 1", .y_label = "r(fn)"},
+        {.title = "tangential forces", .x_label = "h / contacts between free bodies, 1", .y_label = "r(ft)"}};
     charts[0].x_label = charts[1].x_label = "h";
     for (int k = 0; k < count; k++) {
         struct step steps[STATES];
         double h = 0, n = 0, t = 0;
-        struct chart_line *lines[2] = {thesis_scatter(&charts[0], curves[k].name, STATES), thesis_scatter(&charts[1], curves[k].name, STATES)};
+        struct chart_line *lines[2] = {thesis_scatter(&charts[0], curves[k].name, STATES),
+                                       thesis_scatter(&charts[1], curves[k].name, STATES)};
         if (!lines[0] || !lines[1] || run_curve(thesis, &curves[k], steps))
             return -1;
         for (int s = 0; s < STATES; s++) {
             thesis_point(lines[0], steps[s].h, steps[s].rn), thesis_point(lines[1], steps[s].h, steps[s].rt);
             h += steps[s].h / STATES, n += steps[s].rn / STATES, t += steps[s].rt / STATES;
         }
-        thesis_line(thesis, "%-24s mean h %.0f (state 0: %.0f), mean r %.3f / %.3f", curves[k].name, h, steps[0].h, n, t);
+        thesis_line(thesis, "%-24s mean h %.0f (state 0: %.0f), mean r %.3f / %.3f", curves[k].name, h, steps[0].h, n,
+                    t);
     }
     return thesis_picture(thesis, charts, 2);
 }
@@ -254,20 +267,23 @@ static int figure_3_38(struct thesis *thesis)
     static const struct curve curve = {100, METHOD_CDM, FROM_ZERO, "cdm", 0};
     struct chart charts[] = {{.title = "3.38 indeterminacy", .x_label = "vertical strain, %", .y_label = "h"},
                              {.title = "3.38 cdm from zero", .x_label = "vertical strain, %", .y_label = "r"}};
-    struct chart_line *h = chart_add(&charts[0], "", STATES), *n = chart_add(&charts[1], "fn", STATES), *t = chart_add(&charts[1], "ft", STATES);
+    struct chart_line *h = chart_add(&charts[0], "", STATES), *n = chart_add(&charts[1], "fn", STATES),
+                      *t = chart_add(&charts[1], "ft", STATES);
     struct step steps[STATES];
     double mh = 0, mr = 0, hh = 0, rr = 0, hr = 0;
     if (!h || !n || !t || run_curve(thesis, &curve, steps))
         return -1;
     for (int s = 0; s < STATES; s++) {
-        chart_put(h, steps[s].strain, steps[s].h), chart_put(n, steps[s].strain, steps[s].rn), chart_put(t, steps[s].strain, steps[s].rt);
+        chart_put(h, steps[s].strain, steps[s].h), chart_put(n, steps[s].strain, steps[s].rn),
+            chart_put(t, steps[s].strain, steps[s].rt);
         mh += steps[s].h / STATES, mr += steps[s].rn / STATES;
     }
     for (int s = 0; s < STATES; s++) {
         double dh = steps[s].h - mh, dr = steps[s].rn - mr;
         hh += dh * dh, rr += dr * dr, hr += dh * dr;
     }
-    thesis_line(thesis, "h %.0f +- %.0f; within this one test h and r(fn) correlate by %.2f", mh, sqrt(hh / STATES), hr / sqrt(hh * rr));
+    thesis_line(thesis, "h %.0f +- %.0f; within this one test h and r(fn) correlate by %.2f", mh, sqrt(hh / STATES),
+                hr / sqrt(hh * rr));
     return thesis_picture(thesis, charts, 2);
 }
 
@@ -277,13 +293,15 @@ static const int COUNTS[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 400
 enum { COUNT_COUNT = sizeof COUNTS / sizeof *COUNTS, STATE = STEPS };
 
 /* Mean |un| of the velocities that cdm has after these forces, time step 1. */
-static int mean_velocity(const struct packing *packing, const struct force_options *options, const struct forces *forces, double *mean)
+static int mean_velocity(const struct packing *packing, const struct force_options *options,
+                         const struct forces *forces, double *mean)
 {
     struct network network;
     struct network_options network_options = {.wall_mass = options->wall_mass};
     if (network_build(packing, &options->law, &network_options, &network))
         return -1;
-    double *f = calloc(2 * network.count + 1, sizeof *f), *v = calloc(network.dofs + 1, sizeof *v), *u = calloc(2 * network.count + 1, sizeof *u);
+    double *f = calloc(2 * network.count + 1, sizeof *f), *v = calloc(network.dofs + 1, sizeof *v),
+           *u = calloc(2 * network.count + 1, sizeof *u);
     *mean = 0;
     for (size_t c = 0; f && v && u && c < network.count; c++) {
         f[2 * c] = forces->contact.fn[network.contact[c].row] / network.force;
@@ -304,7 +322,10 @@ static int mean_velocity(const struct packing *packing, const struct force_optio
 
 static int figure_3_16(struct thesis *thesis)
 {
-    struct chart chart = {.title = "3.16 plain projections, last state", .x_label = "log10 iterations", .y_label = "residual / <fn>", .log_y = 1};
+    struct chart chart = {.title = "3.16 plain projections, last state",
+                          .x_label = "log10 iterations",
+                          .y_label = "residual / <fn>",
+                          .log_y = 1};
     for (int rest = 0; rest < 2; rest++) {
         struct states states;
         struct chart_line *line = chart_add(&chart, rest ? "at rest" : "not at rest", COUNT_COUNT);
@@ -318,7 +339,8 @@ static int figure_3_16(struct thesis *thesis)
             if (thesis_try(&states.state[STATE], &states.state[STATE], &options, METHOD_QSM, &trial))
                 return -1;
             chart_put(line, log10(COUNTS[k]), trial.forces.imbalance);
-            thesis_line(thesis, "%-12s %5d iterations: residual %.2e", rest ? "at rest" : "not at rest", COUNTS[k], trial.forces.imbalance);
+            thesis_line(thesis, "%-12s %5d iterations: residual %.2e", rest ? "at rest" : "not at rest", COUNTS[k],
+                        trial.forces.imbalance);
             rn = trial.rn, rt = trial.rt;
             trial_free(&trial);
         }
@@ -330,8 +352,9 @@ static int figure_3_16(struct thesis *thesis)
 
 static int figure_3_28(struct thesis *thesis)
 {
-    struct chart charts[] = {{.title = "3.28 a state at rest", .x_label = "log10 sweeps", .y_label = "mean |un|", .log_y = 1},
-                             {.title = "3.28 a state not at rest", .x_label = "log10 sweeps", .y_label = "mean |un|", .log_y = 1}};
+    struct chart charts[] = {
+        {.title = "3.28 a state at rest", .x_label = "log10 sweeps", .y_label = "mean |un|", .log_y = 1},
+        {.title = "3.28 a state not at rest", .x_label = "log10 sweeps", .y_label = "mean |un|", .log_y = 1}};
     for (int rest = 0; rest < 2; rest++)
         for (int previous = 0; previous < 2; previous++) {
             struct states states;
@@ -348,8 +371,9 @@ static int figure_3_28(struct thesis *thesis)
                     return -1;
                 chart_put(line, log10(COUNTS[k]), mean);
                 if (k % 3 == 2)
-                    thesis_line(thesis, "%-12s from %-9s %5d sweeps: mean |un| %.2e, residual %.1e", rest ? "at rest" : "not at rest",
-                                previous ? "previous" : "zero", COUNTS[k], mean, forces.imbalance);
+                    thesis_line(thesis, "%-12s from %-9s %5d sweeps: mean |un| %.2e, residual %.1e",
+                                rest ? "at rest" : "not at rest", previous ? "previous" : "zero", COUNTS[k], mean,
+                                forces.imbalance);
                 forces_free(&forces);
             }
             states_free(&states);
@@ -357,22 +381,21 @@ static int figure_3_28(struct thesis *thesis)
     return thesis_picture(thesis, charts, 2);
 }
 
-const struct figure FIGURES_SERIES[] = {
-    {"3.12", "qsm from overlaps along the test", figure_3_12},
-    {"3.13", "qsm from zero along the test", figure_3_13},
-    {"3.14", "qsm, kappa 100, by its start", figure_3_14},
-    {"3.15", "qsm on states at rest and not", figure_3_15},
-    {"3.16", "convergence of qsm on a state at rest and not", figure_3_16},
-    {"3.21", "cdm from zero along the test", figure_3_21},
-    {"3.23", "cdm, kappa 100, from zero and from the state before", figure_3_23},
-    {"3.24", "stress of these", figure_3_24},
-    {"3.25", "cdm, kappa 1000, true normal or tangential forces held", figure_3_25},
-    {"3.26", "cdm, kappa 1000, started from the true normal forces", figure_3_26},
-    {"3.27", "cdm on states at rest and not", figure_3_27},
-    {"3.28", "convergence of cdm on a state at rest and not", figure_3_28},
-    {"3.36", "r of cdm against indeterminacy", figure_3_36},
-    {"3.37", "r of qsm against indeterminacy", figure_3_37},
-    {"3.38", "indeterminacy and r along one test", figure_3_38},
-    {"3.39", "cdm and qsm from zero, kappa 100", figure_3_39},
-    {"3.40", "strong and weak network of cdm, kappa 100", figure_3_40},
-    {NULL, NULL, NULL}};
+const struct figure FIGURES_SERIES[] = {{"3.12", "qsm from overlaps along the test", figure_3_12},
+                                        {"3.13", "qsm from zero along the test", figure_3_13},
+                                        {"3.14", "qsm, kappa 100, by its start", figure_3_14},
+                                        {"3.15", "qsm on states at rest and not", figure_3_15},
+                                        {"3.16", "convergence of qsm on a state at rest and not", figure_3_16},
+                                        {"3.21", "cdm from zero along the test", figure_3_21},
+                                        {"3.23", "cdm, kappa 100, from zero and from the state before", figure_3_23},
+                                        {"3.24", "stress of these", figure_3_24},
+                                        {"3.25", "cdm, kappa 1000, true normal or tangential forces held", figure_3_25},
+                                        {"3.26", "cdm, kappa 1000, started from the true normal forces", figure_3_26},
+                                        {"3.27", "cdm on states at rest and not", figure_3_27},
+                                        {"3.28", "convergence of cdm on a state at rest and not", figure_3_28},
+                                        {"3.36", "r of cdm against indeterminacy", figure_3_36},
+                                        {"3.37", "r of qsm against indeterminacy", figure_3_37},
+                                        {"3.38", "indeterminacy and r along one test", figure_3_38},
+                                        {"3.39", "cdm and qsm from zero, kappa 100", figure_3_39},
+                                        {"3.40", "strong and weak network of cdm, kappa 100", figure_3_40},
+                                        {NULL, NULL, NULL}};

@@ -57,8 +57,8 @@ static int random_starts(struct thesis *thesis, const struct packing *truth, dou
         double before = length_between(truth, &start);
         int status = thesis_try(truth, truth, &options, method, &trial);
         if (!status) {
-            thesis_line(thesis, "%8g %-5s random %-8g %10.4f %10.4f %9.1e", kappa, FORCE_METHODS[method], SIZES[s], before,
-                        trial.distance, trial.forces.imbalance);
+            thesis_line(thesis, "%8g %-5s random %-8g %10.4f %10.4f %9.1e", kappa, FORCE_METHODS[method], SIZES[s],
+                        before, trial.distance, trial.forces.imbalance);
             chart_put(line, log10(before), trial.distance);
         }
         trial_free(&trial);
@@ -90,8 +90,14 @@ static int special_starts(struct thesis *thesis, const struct packing *truth, do
 
 static int figure_3_3(struct thesis *thesis)
 {
-    struct chart charts[] = {{.title = "3.3 contact dynamics", .x_label = "log10 distance of the start", .y_label = "distance of the end", .log_y = 1},
-                             {.title = "3.3 quasi-static method", .x_label = "log10 distance of the start", .y_label = "distance of the end", .log_y = 1}};
+    struct chart charts[] = {{.title = "3.3 contact dynamics",
+                              .x_label = "log10 distance of the start",
+                              .y_label = "distance of the end",
+                              .log_y = 1},
+                             {.title = "3.3 quasi-static method",
+                              .x_label = "log10 distance of the start",
+                              .y_label = "distance of the end",
+                              .log_y = 1}};
     thesis_line(thesis, "%8s %-5s %-15s %10s %10s %9s", "kappa", "", "start", "distance 0", "distance", "residual");
     for (int k = 0; k < 3; k++) {
         struct states states;
@@ -154,7 +160,9 @@ static int ascending(const void *a, const void *b)
 
 static int figure_3_22(struct thesis *thesis)
 {
-    struct chart chart = {.title = "3.22 errors of contact dynamics from zero", .x_label = "|error of fn| / <fn>", .y_label = "share of the contacts"};
+    struct chart chart = {.title = "3.22 errors of contact dynamics from zero",
+                          .x_label = "|error of fn| / <fn>",
+                          .y_label = "share of the contacts"};
     thesis_line(thesis, "%8s %10s %10s %10s   %s", "kappa", "median", "75 %", "90 %", "of |error| / <fn>");
     for (int k = 0; k < 3; k++) {
         struct states states;
@@ -162,7 +170,8 @@ static int figure_3_22(struct thesis *thesis)
         struct force_options options = thesis_options(START_ZERO);
         char name[40];
         snprintf(name, sizeof name, "kappa %g", KAPPAS[k]);
-        if (isotropic(thesis, KAPPAS[k], &states) || thesis_try(&states.state[0], &states.state[0], &options, METHOD_CDM, &trial))
+        if (isotropic(thesis, KAPPAS[k], &states) ||
+            thesis_try(&states.state[0], &states.state[0], &options, METHOD_CDM, &trial))
             return -1;
         size_t n = trial.forces.contact.count;
         double *error = malloc((n + 1) * sizeof *error), mean = states_mean_force(&states.state[0]);
@@ -186,8 +195,10 @@ static int figure_3_22(struct thesis *thesis)
 
 static int figure_claim(struct thesis *thesis)
 {
-    struct chart chart = {.title = "contact dynamics from zero, five packings each", .x_label = "h / contacts", .y_label = "r(fn)"};
-    thesis_line(thesis, "%8s %6s %6s %9s %8s %8s %9s %9s", "kappa", "seed", "h", "h/contacts", "r(fn)", "r(ft)", "residual", "mu prep");
+    struct chart chart = {
+        .title = "contact dynamics from zero, five packings each", .x_label = "h / contacts", .y_label = "r(fn)"};
+    thesis_line(thesis, "%8s %6s %6s %9s %8s %8s %9s %9s", "kappa", "seed", "h", "h/contacts", "r(fn)", "r(ft)",
+                "residual", "mu prep");
     struct chart_line *line = thesis_scatter(&chart, "", 30);
     for (int k = 0; k < 3; k++)
         for (uint64_t seed = 1; line && seed <= 5; seed++) {
@@ -195,11 +206,12 @@ static int figure_claim(struct thesis *thesis)
             struct states states;
             struct trial trial = {0};
             struct force_options options = thesis_options(START_ZERO);
-            if (thesis_states(thesis, &test, &states) || thesis_try(&states.state[0], &states.state[0], &options, METHOD_CDM, &trial))
+            if (thesis_states(thesis, &test, &states) ||
+                thesis_try(&states.state[0], &states.state[0], &options, METHOD_CDM, &trial))
                 return -1;
             double h = thesis_indeterminacy(&states.state[0]), share = h / (double)states.state[0].contacts.count;
-            thesis_line(thesis, "%8g %6d %6.0f %9.3f %8.3f %8.3f %9.1e", KAPPAS[k], (int)seed, h, share, trial.rn, trial.rt,
-                        trial.forces.imbalance);
+            thesis_line(thesis, "%8g %6d %6.0f %9.3f %8.3f %8.3f %9.1e", KAPPAS[k], (int)seed, h, share, trial.rn,
+                        trial.rt, trial.forces.imbalance);
             thesis_point(line, share, trial.rn);
             trial_free(&trial);
             states_free(&states);
@@ -207,8 +219,9 @@ static int figure_claim(struct thesis *thesis)
     return line ? thesis_picture(thesis, &chart, 1) : -1;
 }
 
-const struct figure FIGURES_STARTS[] = {{"3.3", "distance from the truth against that of the start", figure_3_3},
-                                        {"3.4", "force maps of contact dynamics with falling r", figure_3_4},
-                                        {"3.22", "distribution of the errors of contact dynamics", figure_3_22},
-                                        {"3.21b", "is contact dynamics from zero nearly exact at kappa = 10000?", figure_claim},
-                                        {NULL, NULL, NULL}};
+const struct figure FIGURES_STARTS[] = {
+    {"3.3", "distance from the truth against that of the start", figure_3_3},
+    {"3.4", "force maps of contact dynamics with falling r", figure_3_4},
+    {"3.22", "distribution of the errors of contact dynamics", figure_3_22},
+    {"3.21b", "is contact dynamics from zero nearly exact at kappa = 10000?", figure_claim},
+    {NULL, NULL, NULL}};

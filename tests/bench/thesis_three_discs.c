@@ -38,7 +38,8 @@ static int figure_2_13(struct thesis *thesis)
             least = fmin(least, m), most = fmax(most, m);
         }
         struct three_rest rest = three_molecular(dampings[d], 0, NULL);
-        thesis_line(thesis, "%-22g %10.3f %10.3f   fn = %.2f N, ft = %.2f N", dampings[d], least, most, rest.fn, rest.ft);
+        thesis_line(thesis, "%-22g %10.3f %10.3f   fn = %.2f N, ft = %.2f N", dampings[d], least, most, rest.fn,
+                    rest.ft);
     }
     thesis_line(thesis, "thesis: m from -1 to 1; 721.5 and 360.8 N without noise, with a printed dashpot of 0.9");
     return thesis_picture(thesis, &chart, 1);
@@ -67,8 +68,9 @@ static int figure_2_15(struct thesis *thesis)
         worst = fmax(worst, fabs(fn / rest.fn - 1));
         least = fmin(least, three_mobilised(0.5, fn, ft)), most = fmax(most, three_mobilised(0.5, fn, ft));
     }
-    thesis_line(thesis, "m of cem from %.4f to %.4f (thesis: always 1); largest error of fn %.2g (thesis: below 0.2 %%)",
-                least, most, worst);
+    thesis_line(thesis,
+                "m of cem from %.4f to %.4f (thesis: always 1); largest error of fn %.2g (thesis: below 0.2 %%)", least,
+                most, worst);
     return thesis_picture(thesis, charts, 3);
 }
 
@@ -134,9 +136,8 @@ static int densities(struct chart *chart, solver *solve)
 
 static int ranges(struct thesis *thesis, solver *solve, double *last_negative)
 {
-    struct chart charts[] = {
-        {.title = "range of mobilised friction", .x_label = "mu", .y_label = "m"},
-        {.title = "probability density", .x_label = "m", .y_label = "density"}};
+    struct chart charts[] = {{.title = "range of mobilised friction", .x_label = "mu", .y_label = "m"},
+                             {.title = "probability density", .x_label = "m", .y_label = "density"}};
     static const char *const names[] = {"mean", "mean - sd", "mean + sd", "least", "most"};
     struct chart_line *lines[5];
     for (int k = 0; k < 5; k++)
@@ -150,7 +151,8 @@ static int ranges(struct thesis *thesis, solver *solve, double *last_negative)
         if (mu > 1)
             break;
         find_ends(solve, THREE_SPREAD, mu, &ends);
-        const double values[] = {ends.mean, ends.mean - ends.deviation, ends.mean + ends.deviation, ends.least, ends.most};
+        const double values[] = {ends.mean, ends.mean - ends.deviation, ends.mean + ends.deviation, ends.least,
+                                 ends.most};
         for (int l = 0; l < 5; l++)
             chart_put(lines[l], mu, values[l]);
         if (k % 8 == 0)
@@ -161,8 +163,8 @@ static int ranges(struct thesis *thesis, solver *solve, double *last_negative)
     }
     struct ends printed;
     find_ends(solve, 1, 0.5, &printed);
-    thesis_line(thesis, "starts as printed in (2.59), mu = 0.5: mean m %.3f, sd %.3f, %.3f to %.3f, %.1f %% at yield", printed.mean,
-                printed.deviation, printed.least, printed.most, 100 * printed.yield);
+    thesis_line(thesis, "starts as printed in (2.59), mu = 0.5: mean m %.3f, sd %.3f, %.3f to %.3f, %.1f %% at yield",
+                printed.mean, printed.deviation, printed.least, printed.most, 100 * printed.yield);
     if (densities(&charts[1], solve))
         return -1;
     return thesis_picture(thesis, charts, 2);
@@ -188,7 +190,8 @@ static int figure_2_24(struct thesis *thesis)
 
 static int yields(struct thesis *thesis, int both)
 {
-    struct chart chart = {.title = "share of the ends on the cone", .x_label = "mu", .y_label = "share, %", .from_zero = 1};
+    struct chart chart = {
+        .title = "share of the ends on the cone", .x_label = "mu", .y_label = "share, %", .from_zero = 1};
     struct chart_line *dynamics = chart_add(&chart, "contact dynamics", FRICTIONS);
     struct chart_line *projections = both ? chart_add(&chart, "projections", FRICTIONS) : NULL;
     if (!dynamics || (both && !projections))
@@ -243,8 +246,10 @@ static int figure_2_23(struct thesis *thesis)
             return -1;
         program = fmax(program, fabs(end_n - two.fn[k]));
     }
-    thesis_line(thesis, "qsm - cdm: fn %.1f +- %.1f N, m %.3f +- %.2f, <fn> %.0f N (thesis: 7.2 +- 165.5 N, 0.03 +- 0.3, "
-                "about 1080 N)", sum[0], sqrt(square[0] - sum[0] * sum[0]), sum[1], sqrt(square[1] - sum[1] * sum[1]), mean);
+    thesis_line(thesis,
+                "qsm - cdm: fn %.1f +- %.1f N, m %.3f +- %.2f, <fn> %.0f N (thesis: 7.2 +- 165.5 N, 0.03 +- 0.3, "
+                "about 1080 N)",
+                sum[0], sqrt(square[0] - sum[0] * sum[0]), sum[1], sqrt(square[1] - sum[1] * sum[1]), mean);
     thesis_line(thesis, "the program's qsm in three degrees of freedom ends within %.1e N of these in all %d starts",
                 program, (int)STARTS);
     return thesis_picture(thesis, charts, 2);

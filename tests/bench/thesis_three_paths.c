@@ -8,7 +8,8 @@
 enum { STARTS = 1000 };
 static struct three_path path;
 
-static const double STARTS_SHOWN[][2] = {{200, 50}, {600, 300}, {900, -450}, {300, -400}, {1400, -100}, {100, 700}, {5500, -1000}};
+static const double STARTS_SHOWN[][2] = {{200, 50},    {600, 300}, {900, -450},  {300, -400},
+                                         {1400, -100}, {100, 700}, {5500, -1000}};
 enum { SHOWN = sizeof STARTS_SHOWN / sizeof *STARTS_SHOWN };
 
 static struct chart plane(const char *title)
@@ -77,7 +78,8 @@ static int figure_2_18(struct thesis *thesis)
             return -1;
     }
     three_dynamics(0.5, 0, 0, &path);
-    thesis_line(thesis, "from zero: fn %.2f N, ft %.2f N (thesis: 811.40, 270.45)", path.fn[path.count], path.ft[path.count]);
+    thesis_line(thesis, "from zero: fn %.2f N, ft %.2f N (thesis: 811.40, 270.45)", path.fn[path.count],
+                path.ft[path.count]);
     return thesis_picture(thesis, &chart, 1);
 }
 
@@ -112,8 +114,8 @@ static int figure_2_25(struct thesis *thesis)
     struct chart charts[] = {plane("2.25 equilibrium first"), plane("2.25 cone first")};
     if (statics(&charts[0], THREE_P, "equilibrium") || statics(&charts[1], THREE_P, "equilibrium"))
         return -1;
-    thesis_line(thesis, "%8s %8s | equilibrium first: %9s %8s %4s | cone first: %9s %8s %4s", "fn0", "ft0", "fn", "m", "its",
-                "fn", "m", "its");
+    thesis_line(thesis, "%8s %8s | equilibrium first: %9s %8s %4s | cone first: %9s %8s %4s", "fn0", "ft0", "fn", "m",
+                "its", "fn", "m", "its");
     for (int s = 0; s < SHOWN; s++) {
         double fn[2], m[2];
         int its[2];
@@ -124,8 +126,8 @@ static int figure_2_25(struct thesis *thesis)
             if (draw(&charts[first], ""))
                 return -1;
         }
-        thesis_line(thesis, "%8g %8g |                    %9.2f %8.3f %4d |             %9.2f %8.3f %4d", STARTS_SHOWN[s][0],
-                    STARTS_SHOWN[s][1], fn[0], m[0], its[0], fn[1], m[1], its[1]);
+        thesis_line(thesis, "%8g %8g |                    %9.2f %8.3f %4d |             %9.2f %8.3f %4d",
+                    STARTS_SHOWN[s][0], STARTS_SHOWN[s][1], fn[0], m[0], its[0], fn[1], m[1], its[1]);
     }
     return thesis_picture(thesis, charts, 2);
 }
@@ -161,7 +163,8 @@ static int figure_2_26(struct thesis *thesis)
 static int figure_2_27(struct thesis *thesis)
 {
     static const double starts[][2] = {{600, 300}, {900, 100}, {200, -100}};
-    struct chart chart = {.title = "2.27 projections and contact dynamics", .x_label = "iteration", .y_label = "|Fy| / P", .log_y = 1};
+    struct chart chart = {
+        .title = "2.27 projections and contact dynamics", .x_label = "iteration", .y_label = "|Fy| / P", .log_y = 1};
     for (int s = 0; s < 5; s++) {
         const double *start = starts[s < 3 ? s : s - 3];
         char name[40];
@@ -208,14 +211,16 @@ static int convergence(struct thesis *thesis, int projections)
         at_once += its <= 2;
         slow += its > 2, down += its > 2 && path.fy[0] < 0;
     }
-    thesis_line(thesis, "%d to %d iterations; %.1f %% of the starts end within 2; of the others %.0f %% began with Fy < 0",
+    thesis_line(thesis,
+                "%d to %d iterations; %.1f %% of the starts end within 2; of the others %.0f %% began with Fy < 0",
                 least, most, 100.0 * at_once / STARTS, slow ? 100.0 * down / slow : 0);
     return thesis_picture(thesis, charts, 2);
 }
 
 static int velocity(struct thesis *thesis, int projections)
 {
-    struct chart chart = {.title = "velocity of convergence", .x_label = "|Fy| at the start, N", .y_label = "N per iteration"};
+    struct chart chart = {
+        .title = "velocity of convergence", .x_label = "|Fy| at the start, N", .y_label = "N per iteration"};
     struct chart_line *line = thesis_scatter(&chart, "", STARTS);
     double xx = 0, xy = 0, n = 0, x_sum = 0, y_sum = 0, yy = 0;
     if (!line)
@@ -228,8 +233,10 @@ static int velocity(struct thesis *thesis, int projections)
             n++, x_sum += from, y_sum += v, xx += from * from, xy += from * v, yy += v * v;
     }
     double r = (xy - x_sum * y_sum / n) / sqrt((xx - x_sum * x_sum / n) * (yy - y_sum * y_sum / n));
-    thesis_line(thesis, "velocity against |Fy| at the start, starts that take more than 2 iterations (%g): r = %.4f, %.4f "
-                "per iteration", n, r, xy / xx);
+    thesis_line(thesis,
+                "velocity against |Fy| at the start, starts that take more than 2 iterations (%g): r = %.4f, %.4f "
+                "per iteration",
+                n, r, xy / xx);
     return thesis_picture(thesis, &chart, 1);
 }
 

@@ -72,7 +72,8 @@ void three_projections(double p, double mu, double fn, double ft, int plastic_fi
 
 static int build(struct packing *packing)
 {
-    static const char *const columns[] = {"x", "y", "radius", "mass", "inertia", "load_x", "load_y", "load_m", "flags", NULL};
+    static const char *const columns[] = {"x",      "y",      "radius", "mass",  "inertia",
+                                          "load_x", "load_y", "load_m", "flags", NULL};
     static const char *const touching[] = {"i", "j", "nx", "ny", "x", "y", "overlap", "flags", NULL};
     const double x[] = {-2 * THREE_R * HALF, 2 * THREE_R * HALF, 0}, y[] = {0, 0, 2 * THREE_R * HALF};
     memset(packing, 0, sizeof *packing);
@@ -111,8 +112,8 @@ int three_by_program(enum force_method method, double mu, double fn, double ft, 
         return -1;
     }
     double f[4] = {fn / network.force, ft / network.force, fn / network.force, -ft / network.force};
-    int status = method == METHOD_CDM ? cdm_solve(&network, &options, f, &outcome)
-                                      : qsm_solve(&network, &options, f, &outcome);
+    int status =
+        method == METHOD_CDM ? cdm_solve(&network, &options, f, &outcome) : qsm_solve(&network, &options, f, &outcome);
     *fn_end = f[0] * network.force;
     *ft_end = f[1] * network.force;
     network_free(&network);
@@ -122,7 +123,8 @@ int three_by_program(enum force_method method, double mu, double fn, double ft, 
 
 /* ---- molecular dynamics ---- */
 
-/* One degree of freedom: the height of disc 3. Springs kn = kt, time step sqrt(m / kn) / 100, at rest when the resultant stays below 1e-9 P for 200 steps. */
+/* One degree of freedom: the height of disc 3. Springs kn = kt, time step sqrt(m / kn) / 100, at rest when the
+ * resultant stays below 1e-9 P for 200 steps. */
 struct three_rest three_molecular(double damping, double noise, struct chart_line *line)
 {
     const double m = THREE_P / 9.81, dt = sqrt(m / THREE_KN) / 100, c = damping * sqrt(m * THREE_KN), mu = 0.5;

@@ -329,6 +329,9 @@ static void a_short_run_says_that_it_is_not_static(void **state)
     simulation.max_steps = 15000;
     simulation.tolerance = 0; /* out of reach */
     assert_int_equal(simulate(&simulation, keep, &series), 1);
+    assert_non_null(strstr(error_message(), "4 of 4 states did not come to rest in 15000 steps"));
+    assert_int_equal(error_status(), EXIT_FLAGGED);
+    error_clear();
     assert_int_equal(series.count, 4);
     for (size_t k = 0; k < series.count; k++) {
         assert_int_equal(series.state[k].relaxed, 0);
