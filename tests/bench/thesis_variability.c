@@ -22,7 +22,7 @@ static int look(struct states *states, size_t s, enum force_method method, struc
     struct packing *packing = &states->state[s];
     struct force_options options = thesis_options(START_ZERO);
     struct trial trial = {0};
-    options.tolerance = 1e-4, options.iterations = 4000;
+    options.tolerance = 1e-3, options.iterations = 4000;
     options.walk = JUMPS, options.range = "all";
     if (thesis_try(packing, packing, &options, method, &trial) ||
         walk_forces(packing, &options, method, &trial.forces) || range_forces(packing, &options, method, &trial.forces))
@@ -47,11 +47,11 @@ static double correlation(const struct step *steps, double (*a)(const struct ste
 {
     double n = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
     for (int s = 0; s < STATES; s++)
-        if (steps[s].walk.states >= JUMPS / 4)
+        if (steps[s].walk.states >= 20)
             n++, ma += a(&steps[s]), mb += b(&steps[s]);
     ma /= n, mb /= n;
     for (int s = 0; s < STATES; s++)
-        if (steps[s].walk.states >= JUMPS / 4) {
+        if (steps[s].walk.states >= 20) {
             double x = a(&steps[s]) - ma, y = b(&steps[s]) - mb;
             aa += x * x, bb += y * y, ab += x * y;
         }
