@@ -22,7 +22,7 @@ struct edges {
     size_t count;
 };
 
-static int gather_edges(const struct level *level, double contrast, struct edges *edges)
+static int gather_edges(const struct level *level, const struct cover *cover, double contrast, struct edges *edges)
 {
     size_t pixels = (size_t)level->width * (size_t)level->height;
     float *gx = malloc(pixels * sizeof *gx), *gy = malloc(pixels * sizeof *gy);
@@ -36,7 +36,7 @@ static int gather_edges(const struct level *level, double contrast, struct edges
     float faintest = (float)(FAINTEST_EDGE * contrast), full = (float)(FULL_EDGE * contrast);
     size_t count = 0;
     for (size_t k = 0; k < pixels; k++)
-        count += gx[k] * gx[k] + gy[k] * gy[k] > faintest * faintest;
+        count += !cover->pixels[k] && gx[k] * gx[k] + gy[k] * gy[k] > faintest * faintest;
     edges->items = malloc((count ? count : 1) * sizeof *edges->items);
     if (!edges->items) {
         status = error_memory("edge pixels");
@@ -44,7 +44,7 @@ static int gather_edges(const struct level *level, double contrast, struct edges
     }
     for (size_t k = 0; k < pixels; k++) {
         float square = gx[k] * gx[k] + gy[k] * gy[k];
-        if (square > faintest * faintest) {
+        if (!cover->pixels[k] && square > faintest * faintest) {
             float size = sqrtf(square);
             edges->items[edges->count++] =
                 (struct edge){(float)(k % (size_t)level->width), (float)(k / (size_t)level->width), gx[k] / size,
@@ -90,12 +90,13 @@ static int is_peak(const struct level *level, float *const layers[3], size_t at)
     return 1;
 }
 
-static int gather_peaks(const struct level *level, float *const layers[3], double r, struct candidates *peaks)
+static int gather_peaks(const struct level *level, const struct cover *cover, float *const layers[3], double r,
+                        struct candidates *peaks)
 {
     for (int y = 1; y < level->height - 1; y++)
         for (int x = 1; x < level->width - 1; x++) {
             size_t at = (size_t)y * (size_t)level->width + (size_t)x;
-            if (layers[1][at] < LOWEST_PEAK || !is_peak(level, layers, at))
+            if (layers[1][at] < LOWEST_PEAK || cover->pixels[at] || !is_peak(level, layers, at))
                 continue;
             struct candidate peak = {.rim = {.x = x, .y = y, .radius = r}, .support = layers[1][at], .spread = 1};
             if (candidates_add(peaks, &peak))
@@ -104,7 +105,8 @@ static int gather_peaks(const struct level *level, float *const layers[3], doubl
     return 0;
 }
 
-int candidates_vote(const struct level *level, double low, double high, double contrast, struct candidates *peaks)
+int candidates_vote(const struct level *level, const struct cover *cover, double low, double high, double contrast,
+                    struct candidates *peaks)
 {
     struct edges edges = {0};
     size_t pixels = (size_t)level->width * (size_t)level->height;
@@ -114,7 +116,7 @@ int candidates_vote(const struct level *level, double low, double high, double c
         status = error_memory("layers of votes");
         goto done;
     }
-    if (gather_edges(level, contrast, &edges))
+    if (gather_edges(level, cover, contrast, &edges))
         goto done;
     for (int k = 0; k < count; k++) {
         double r = low - 1 + k;
@@ -124,7 +126,7 @@ int candidates_vote(const struct level *level, double low, double high, double c
         layers[2] = oldest;
         if (fill_layer(level, &edges, r, layers[2]))
             goto done;
-        if (k >= 2 && gather_peaks(level, layers, r - 1, peaks))
+        if (k >= 2 && gather_peaks(level, cover, layers, r - 1, peaks))
             goto done;
     }
     status = 0;

@@ -3,11 +3,14 @@
 #ifndef FINDGRAINS_CANDIDATES_H
 #define FINDGRAINS_CANDIDATES_H
 
+#include "findgrains/cover.h"
 #include "findgrains/level.h"
 #include "findgrains/rim.h"
 
 /* Peaks of the votes on a level for radii from `low` to `high` (level pixels), added to `peaks` in level coordinates.
- * `contrast` is the difference between grain and void in grey levels. */
-int candidates_vote(const struct level *level, double low, double high, double contrast, struct candidates *peaks);
+ * `contrast` is the difference between grain and void in grey levels; what `cover` (of this level) hides is left out.
+ */
+int candidates_vote(const struct level *level, const struct cover *cover, double low, double high, double contrast,
+                    struct candidates *peaks);
 
 #endif

@@ -9,6 +9,7 @@ enum { RAYS = 96, PER_RAY = 3, PROFILE = 96, TRIALS = 160, ROUNDS = 4 };
 #define REACH 0.35     /* edges are looked for within this share of the radius */
 #define FAINTEST 0.15  /* fall over two pixels, in contrasts of this grain */
 #define TOLERANCE 0.75 /* level pixels between an edge and the circle that it supports */
+#define BESIDE 0.15    /* of the radius: over this depth the void outside a rim is darker than the grain inside */
 
 struct ray_edge {
     double x, y, r, fall; /* fall: 0 to 1, full from half the grain's contrast on */
@@ -50,6 +51,23 @@ static void insert_edge(struct rays *rays, int ray, const struct ray_edge *edge)
     rays->count[ray] = n < PER_RAY ? n + 1 : PER_RAY;
 }
 
+/* How much darker it is over some depth outside than inside: dark specks are steep, but the grain goes on behind. */
+static double fall_beside(const double *profile, int count, int at, int depth)
+{
+    double inside = 0, outside = 0;
+    int in = 0, out = 0;
+    for (int k = at - depth; k < at; k++)
+        if (k >= 0) {
+            inside += profile[k];
+            in++;
+        }
+    for (int k = at + 1; k <= at + depth && k < count; k++) {
+        outside += profile[k];
+        out++;
+    }
+    return inside / in - outside / out;
+}
+
 /* The steepest falls along one ray. */
 static void scan_ray(const struct level *level, const struct rim *place, double contrast, int ray, struct rays *rays)
 {
@@ -64,13 +82,17 @@ static void scan_ray(const struct level *level, const struct rim *place, double 
     half = half < 1 ? 1 : half;
     for (int k = half; k < count - half; k++)
         fall[k] = (profile[k - half] - profile[k + half]) / contrast;
+    int beside = (int)lround(BESIDE * place->radius / step);
+    beside = beside < half ? half : beside;
     for (int k = half + 1; k < count - half - 1; k++) {
         if (fall[k] < FAINTEST || fall[k] < fall[k - 1] || fall[k] <= fall[k + 1])
             continue;
         double bend = fall[k - 1] - 2 * fall[k] + fall[k + 1];
         double shift = bend < 0 ? 0.5 * (fall[k - 1] - fall[k + 1]) / bend : 0;
         double r = first + (k + shift) * step;
-        struct ray_edge edge = {place->x + r * rays->cos[ray], place->y + r * rays->sin[ray], r, fmin(1, 2 * fall[k])};
+        double wide = fmax(0, fall_beside(profile, count, k, beside) / contrast);
+        struct ray_edge edge = {place->x + r * rays->cos[ray], place->y + r * rays->sin[ray], r,
+                                fmin(1, 2 * fall[k]) * fmin(1, 2 * wide)};
         insert_edge(rays, ray, &edge);
     }
 }
@@ -135,18 +157,28 @@ static double support_of(const struct rays *rays, const struct rim *rim)
     return support / RAYS;
 }
 
+/* Three edges from three thirds of the usable rays, so that they determine a circle well; of a ray's edges the
+ * steepest more often: the square of a uniform number picks it 6 times of 10. */
+static void draw_edges(const struct rays *rays, uint64_t key, int trial, int ray[3], const struct ray_edge *picked[3])
+{
+    int n = rays->usable_count, third = n / 3;
+    uint64_t first = random_bits(key, (uint64_t)trial * 7);
+    for (int k = 0; k < 3; k++) {
+        uint64_t draw =
+            first + (uint64_t)(k * third) + random_bits(key, (uint64_t)(trial * 7 + 1 + k)) % (uint64_t)third;
+        ray[k] = rays->usable[draw % (uint64_t)n];
+        double u = random_uniform(key, (uint64_t)(trial * 7 + 4 + k));
+        picked[k] = &rays->edges[ray[k]][(int)(u * u * rays->count[ray[k]])];
+    }
+}
+
 static double best_circle(const struct rays *rays, const struct rim *place, uint64_t key, struct rim *best)
 {
     double support = 0;
     for (int trial = 0; trial < TRIALS && support < 0.9; trial++) {
         const struct ray_edge *picked[3];
         int ray[3];
-        for (int k = 0; k < 3; k++) {
-            uint64_t draw = random_bits(key, (uint64_t)(trial * 6 + 2 * k));
-            ray[k] = rays->usable[draw % (uint64_t)rays->usable_count];
-            uint64_t which = random_bits(key, (uint64_t)(trial * 6 + 2 * k + 1));
-            picked[k] = &rays->edges[ray[k]][which % (uint64_t)rays->count[ray[k]]];
-        }
+        draw_edges(rays, key, trial, ray, picked);
         struct rim rim;
         if (ray[0] == ray[1] || ray[1] == ray[2] || ray[0] == ray[2] ||
             !circle_through(picked[0], picked[1], picked[2], &rim))

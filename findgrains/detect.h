@@ -1,4 +1,5 @@
-/* All grains of a photo, roughly: votes and capture at coarse pixels, octave by octave of the radius. */
+/* All grains of a photo, roughly: votes and capture at coarse pixels, octave by octave of the radius, from the largest
+ * down. What is sure in one octave is covered in the next, so that specks inside grains cost nothing there. */
 #ifndef FINDGRAINS_DETECT_H
 #define FINDGRAINS_DETECT_H
 
@@ -6,9 +7,12 @@
 #include "findgrains/threshold.h"
 
 #define DETECT_OVERLAP 0.88 /* centres of two grains are at least this share of R_i + R_j apart */
+#define DETECT_SMALLEST 3.0 /* px: radii below are never looked for unless they are given */
 
-/* Rims in photo coordinates, thinned. `peaks` counts the places that were looked at. */
-int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels,
-                  double radius_min, double radius_max, struct candidates *found, size_t *peaks);
+/* Rims in photo coordinates, thinned. range: radii to look for, px; NaN: from half the zone's smaller side down to the
+ * first octave that shows no sure grain while a larger one did (or DETECT_SMALLEST), and the range that was searched is
+ * put there. `peaks` counts the places that were looked at. */
+int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels, double range[2],
+                  struct candidates *found, size_t *peaks);
 
 #endif

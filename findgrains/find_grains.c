@@ -20,17 +20,6 @@
 #define STILL 0.004      /* px of the last step: far below any standard error */
 #define ROUNDS 10
 
-/* Without a range from the scene nothing may be missed: real specimens hold rods down to 1/400 of their height. A
- * given range is many times faster on a large photo. */
-static void radius_range(const struct find_options *options, const struct zone *zone, double range[2])
-{
-    double smaller = fmin(zone->x1 - zone->x0, zone->y1 - zone->y0);
-    range[0] = options->radius_min_px > 0 ? options->radius_min_px : fmax(5, smaller / 400);
-    range[1] = options->radius_max_px > 0 ? options->radius_max_px : fmin(0.25 * smaller, 40 * range[0]);
-    if (!(range[1] > range[0]))
-        range[1] = range[0] * 1.1;
-}
-
 static double mean_noise(const struct rims *rims)
 {
     double sum = 0, count = 0;
@@ -106,14 +95,13 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
 {
     struct find_notes own;
     struct candidates found = {0};
-    double range[2];
     notes = notes ? notes : &own;
     if (look_at(photo, options, notes))
         return -1;
-    radius_range(options, &notes->zone, range);
+    double range[2] = {options->radius_min_px, options->radius_max_px};
+    int status = detect_grains(photo, &notes->zone, &notes->levels, range, &found, &notes->candidates);
     notes->radius_min_px = range[0];
     notes->radius_max_px = range[1];
-    int status = detect_grains(photo, &notes->zone, &notes->levels, range[0], range[1], &found, &notes->candidates);
     notes->captured = found.count;
     if (!status)
         status = corrections_apply(options->corrections, &found);

@@ -17,11 +17,11 @@ static int keep_supported(struct rims *rims)
         struct candidate item = rims->origin[k];
         int measured = rims->items[k].support >= MEASURE_LEAST_SUPPORT;
         item.rim = measured ? rims->items[k].rim : item.captured;
-        item.support = (measured ? rims->items[k].support : 0) + item.by_hand;
+        item.support = 0.5 * (item.sure + (measured ? rims->items[k].support : 0)) + item.by_hand;
         if (measured || item.by_hand || item.sure >= SURE)
             status = candidates_add(&list, &item);
     }
-    candidates_thin(&list, DETECT_OVERLAP);
+    candidates_thin(&list, DETECT_OVERLAP, candidates_merit);
     rims_free(rims);
     if (!status)
         status = rims_make(&list, rims);

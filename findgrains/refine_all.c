@@ -281,7 +281,7 @@ static int trial(const struct photo *photo, const struct zone *zone, const struc
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
                        const struct rims *rims, struct rows rows)
 {
-    static const double textures[] = {0, 1, 2, 3, 4.5, 7}, windows[] = {1.7, 2.5, 3.5, 5};
+    static const double textures[] = {0, 1, 2, 3, 4.5}, windows[] = {1.7, 2.5, 3.5, 5};
     struct rims_state try = *state, best = *state;
     double least = INFINITY, error;
     try.window = 3.5 * state->blur;

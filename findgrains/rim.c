@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define CHANCE 0.35 /* support of circles through specks */
+
 int candidates_add(struct candidates *list, const struct candidate *item)
 {
     if (list->count == list->room) {
@@ -33,7 +35,7 @@ static int three_way(double a, double b)
 static int better_first(const void *left, const void *right)
 {
     const struct candidate *a = left, *b = right;
-    int order = three_way(b->support, a->support);
+    int order = three_way(b->merit, a->merit);
     if (!order)
         order = three_way(a->rim.y, b->rim.y);
     if (!order)
@@ -52,10 +54,22 @@ static int clear_of(const struct candidates *list, size_t kept, const struct rim
     return 1;
 }
 
-void candidates_thin(struct candidates *list, double share)
+double candidates_support(const struct candidate *item)
+{
+    return item->support;
+}
+
+double candidates_merit(const struct candidate *item)
+{
+    return (item->support - CHANCE) * sqrt(item->rim.radius);
+}
+
+void candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *))
 {
     if (list->count == 0)
         return;
+    for (size_t k = 0; k < list->count; k++)
+        list->items[k].merit = merit(&list->items[k]);
     qsort(list->items, list->count, sizeof *list->items, better_first);
     size_t kept = 0;
     for (size_t k = 0; k < list->count; k++)

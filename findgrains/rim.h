@@ -18,6 +18,7 @@ struct candidate {
     struct rim captured; /* as it was captured, */
     double sure;         /* with this support: enough keeps the row even where the fine fit fails */
     int by_hand;         /* from the user's list: kept in any case */
+    double merit;        /* while a list is sorted */
 };
 
 struct candidates {
@@ -27,8 +28,12 @@ struct candidates {
 
 int candidates_add(struct candidates *list, const struct candidate *item);
 void candidates_free(struct candidates *list); /* accepts a zeroed struct */
-/* Sort by support (ties by position, so that the order never depends on how the list was filled) and keep those whose
+/* What speaks for a rim: support above what circles of specks reach by chance, over its scatter, which falls with the
+ * square root of the length of the rim: a small circle has to be supported better than a large one. */
+double candidates_merit(const struct candidate *item);
+double candidates_support(const struct candidate *item);
+/* Sort by merit (ties by position, so that the order never depends on how the list was filled) and keep those whose
  * centres are at least share (R_i + R_j) away from every better one. */
-void candidates_thin(struct candidates *list, double share);
+void candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *));
 
 #endif
