@@ -56,9 +56,10 @@ static int learn(const struct photo *photo, const struct zone *zone, enum find_s
                  struct rims *rims)
 {
     size_t list[RIMS_SAMPLE];
-    struct rows sample = rims_sample(rims, list);
+    struct rows sample;
     state->ellipse = shape != FIND_SHAPE_CIRCLE;
-    if (rims_approach(photo, zone, state, 0, rims, sample) || rims_estimate_blur(photo, zone, state, rims, sample))
+    if (rims_sample(rims, list, &sample) || rims_approach(photo, zone, state, 0, rims, sample) ||
+        rims_estimate_blur(photo, zone, state, rims, sample))
         return -1;
     state->window = 2.5 * state->blur;
     if (rims_iterate(photo, zone, state, ROUNDS, rims, sample))

@@ -189,13 +189,14 @@ static double median_member(const struct refined *items, size_t count, size_t me
 }
 
 /* Up to RIMS_SAMPLE rows spread evenly over the larger half of the rims. */
-struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE])
+int rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE], struct rows *rows)
 {
-    double *radii = malloc((rims->count ? rims->count : 1) * sizeof *radii);
-    if (!radii || rims->count == 0) {
-        free(radii);
-        return (struct rows){sample, 0, 0};
-    }
+    *rows = (struct rows){sample, 0, 0};
+    if (rims->count == 0)
+        return 0;
+    double *radii = malloc(rims->count * sizeof *radii);
+    if (!radii)
+        return error_memory("a sample of the rims");
     for (size_t k = 0; k < rims->count; k++)
         radii[k] = rims->items[k].rim.radius;
     double median = select_rank(radii, rims->count, rims->count / 2);
@@ -207,7 +208,8 @@ struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE])
     for (size_t k = 0; k < rims->count && count < RIMS_SAMPLE; k++)
         if (rims->items[k].rim.radius >= median && seen++ % step == 0)
             sample[count++] = k;
-    return (struct rows){sample, count, 0};
+    rows->count = count;
+    return 0;
 }
 
 /* Blur and places of the sample in turn: each is only right once the other is. */

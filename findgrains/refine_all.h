@@ -33,7 +33,7 @@ enum { RIMS_SAMPLE = 96 };
 
 struct rows rims_all(const struct rims *rims);
 /* Up to RIMS_SAMPLE rows spread evenly over the larger half of the rims. */
-struct rows rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE]);
+int rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE], struct rows *rows);
 
 /* From captured places to within reach of the fine fit; with small steps while the blur is a guess. */
 int rims_approach(const struct photo *photo, const struct zone *zone, const struct rims_state *state, int blur_is_known,

@@ -174,11 +174,22 @@ void local_problem_free(struct local_problem *problem)
 
 /* ---- the file ---- */
 
+/* Without the time of its making: two identical runs give identical files. */
+static hid_t create_dataset(hid_t file, const char *name, hid_t type, hid_t space)
+{
+    hid_t properties = H5Pcreate(H5P_DATASET_CREATE), data = -1;
+    if (properties >= 0 && H5Pset_obj_track_times(properties, 0) >= 0)
+        data = H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    if (properties >= 0)
+        H5Pclose(properties);
+    return data;
+}
+
 static int write_array(hid_t file, const char *name, hid_t file_type, hid_t memory_type, int count, const void *values)
 {
     hsize_t dims = (hsize_t)count;
     hid_t space = H5Screate_simple(1, &dims, NULL);
-    hid_t data = space < 0 ? -1 : H5Dcreate2(file, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    hid_t data = space < 0 ? -1 : create_dataset(file, name, file_type, space);
     int failed = data < 0 || H5Dwrite(data, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0;
     if (data >= 0)
         failed |= H5Dclose(data) < 0;
@@ -202,7 +213,7 @@ static int write_string(hid_t file, const char *name, const char *text)
 {
     hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR), data = -1;
     if (type >= 0 && space >= 0 && H5Tset_size(type, strlen(text) + 1) >= 0)
-        data = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        data = create_dataset(file, name, type, space);
     int failed = data < 0 || H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0;
     if (data >= 0)
         failed |= H5Dclose(data) < 0;

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "pipeline/error.h"
+#include "pipeline/new_file.h"
 #include "pipeline/number.h"
 #include "pipeline/progress.h"
 
@@ -104,6 +105,7 @@ void cli_parse(const struct argp *argp, int argc, char **argv, void *input)
     snprintf(version, sizeof version, "%.60s (film) " FILM_VERSION, argv[0]);
     argp_program_version = version;
     argp_err_exit_status = EXIT_USAGE;
+    new_file_remove_on_signals();
     error_t failed = argp_parse(argp, argc, argv, 0, NULL, input);
     if (failed) {
         fprintf(stderr, "%s: %s\n", argv[0], strerror(failed));

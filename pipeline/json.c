@@ -175,7 +175,10 @@ static char *read_stream(FILE *file, const char *path, size_t *length)
         room = 2 * room + 4096;
         char *larger = room <= JSON_MAX_BYTES ? realloc(text, room) : NULL;
         if (!larger) {
-            error_set(EXIT_INPUT, "%s: more than 64 megabytes of JSON: is this the right file?", path);
+            if (room > JSON_MAX_BYTES)
+                error_set(EXIT_INPUT, "%s: more than 64 megabytes of JSON: is this the right file?", path);
+            else
+                error_set(EXIT_FAILED, "out of memory: %s: use a machine with more memory", path);
             free(text);
             return NULL;
         }

@@ -3,6 +3,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +14,56 @@
 #include <unistd.h>
 
 #include "pipeline/error.h"
+
+/* ---- what a signal has to remove ---- */
+
+enum { PENDING_FILES = 8 }; /* a program has one or two at a time; more of them are only left behind, not wrong */
+static struct pending {
+    atomic_int state; /* 0 free, 1 being written, 2 names a file */
+    char path[PATH_MAX];
+} pending[PENDING_FILES];
+
+static void remember(const char *path)
+{
+    size_t length = strlen(path);
+    for (int k = 0; k < PENDING_FILES && length < PATH_MAX; k++) {
+        int was_free = 0;
+        if (!atomic_compare_exchange_strong(&pending[k].state, &was_free, 1))
+            continue;
+        memcpy(pending[k].path, path, length + 1);
+        atomic_store(&pending[k].state, 2);
+        return;
+    }
+}
+
+static void forget(const char *path)
+{
+    for (int k = 0; k < PENDING_FILES; k++)
+        if (atomic_load(&pending[k].state) == 2 && strcmp(pending[k].path, path) == 0)
+            atomic_store(&pending[k].state, 0);
+}
+
+/* Only calls that POSIX allows in a handler. */
+static void remove_and_die(int number)
+{
+    for (int k = 0; k < PENDING_FILES; k++)
+        if (atomic_load(&pending[k].state) == 2)
+            unlink(pending[k].path);
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+void new_file_remove_on_signals(void)
+{
+    static const int numbers[] = {SIGHUP, SIGINT, SIGTERM};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        struct sigaction action = {.sa_handler = remove_and_die}, before;
+        if (sigaction(numbers[k], NULL, &before) == 0 && before.sa_handler == SIG_DFL)
+            sigaction(numbers[k], &action, NULL);
+    }
+}
+
+/* ---- one file ---- */
 
 static void free_names(struct new_file *file)
 {
@@ -54,10 +107,14 @@ static int create_temporary(struct new_file *file)
             file->temporary = NULL;
             return error_memory("a file name");
         }
+        remember(file->temporary);
         int fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (fd >= 0)
             return close(fd), 0;
+        int reason = errno;
+        forget(file->temporary);
         free(file->temporary);
+        errno = reason;
         file->temporary = NULL;
         if (errno != EEXIST)
             break;
@@ -80,8 +137,10 @@ int new_file_begin(struct new_file *file, const char *path)
 
 void new_file_discard(struct new_file *file)
 {
-    if (file->temporary)
+    if (file->temporary) {
         unlink(file->temporary);
+        forget(file->temporary);
+    }
     free_names(file);
 }
 
@@ -122,6 +181,7 @@ int new_file_commit(struct new_file *file)
         result = error_failed("%s: its folder cannot be flushed to the disk: %s: check the disk", file->path,
                               strerror(errno));
     else {
+        forget(file->temporary);
         free_names(file);
         return 0;
     }

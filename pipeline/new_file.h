@@ -23,4 +23,8 @@ int new_file_commit(struct new_file *file);
 /* Remove the temporary file, free `file`; keeps the error line. Accepts a zeroed struct. */
 void new_file_discard(struct new_file *file);
 
+/* From now on SIGHUP, SIGINT and SIGTERM remove the temporary files of this process before they end it. Signals that
+ * are ignored (nohup) stay ignored. */
+void new_file_remove_on_signals(void);
+
 #endif

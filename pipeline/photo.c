@@ -54,10 +54,10 @@ static int ignore_warning(TIFF *tiff, void *data, const char *module, const char
 
 TIFF *tiff_open(const char *path, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages)
 {
-    messages->error[0] = '\0';
+    memset(messages, 0, sizeof *messages);
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (!options) {
-        snprintf(messages->error, sizeof messages->error, "out of memory");
+        messages->out_of_memory = 1;
         return NULL;
     }
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, max_alloc);

@@ -309,6 +309,8 @@ int photo_read(const char *path, const struct photo_request *request, struct pho
     /* Not mapped into memory: a file that shrinks under us is then an error and not a signal. libtiff's own blocks
      * hold compressed strips and tables, which lie in the file. */
     source.tiff = tiff_open(path, "rm", (tmsize_t)(4 * source.file_bytes + (1 << 24)), &source.messages);
+    if (!source.tiff && source.messages.out_of_memory)
+        return error_memory(path);
     if (!source.tiff)
         return error_input("%s: is not a readable TIFF, or was cut short (%s): copy the photo again", path,
                            source.messages.error);

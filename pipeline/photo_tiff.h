@@ -6,7 +6,8 @@
 #include <tiffio.h>
 
 struct tiff_messages {
-    char error[256]; /* the first one; "" when there was none */
+    char error[256];   /* the first one; "" when there was none */
+    int out_of_memory; /* then error is "" */
 };
 
 /* Open with libtiff's mode; NULL on failure, messages->error then says why. Allocations above max_alloc bytes made by

@@ -1,6 +1,7 @@
 /* Reading state files, which may come from anywhere: every object is reached by hard links inside the file only, its
  * type, rank and length are checked before memory is allocated for it, and a dataset whose bytes were never all
  * written (a full disk) is refused, because HDF5 would fill the holes with zeros in silence. */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -408,11 +409,14 @@ static int read_any_text(const struct state *state, const char *group, const cha
         return found < 0 ? -1 : 1;
     hid_t type = H5Aget_type(attribute);
     *text = NULL;
+    errno = 0;
     if (type >= 0 && H5Tget_class(type) == H5T_STRING && attribute_count(attribute) == 1)
         *text = H5Tis_variable_str(type) > 0 ? read_variable_text(attribute, type) : read_fixed_text(attribute, type);
     if (type >= 0)
         H5Tclose(type);
     H5Aclose(attribute);
+    if (!*text && errno == ENOMEM)
+        return error_memory(state->path);
     return *text ? 0 : error_input("%s: attribute '%s' is not one text: make the file again", state->path, name);
 }
 
