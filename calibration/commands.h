@@ -10,6 +10,7 @@ int command_laws(int argc, char **argv);
 int command_lens(int argc, char **argv);
 int command_rescale(int argc, char **argv);
 int command_scale(int argc, char **argv);
+int command_settlement(int argc, char **argv);
 int command_stiffness(int argc, char **argv);
 
 /* Write a calibration file (JSON, doubles with 17 digits) whole or not at all; takes the object. */

@@ -17,6 +17,7 @@ static const struct command {
     {"friction", "calibration friction", command_friction, "friction between grains from three-rod tests"},
     {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli"},
     {"laws", "calibration laws", command_laws, "contact laws compared on a small-strain probe"},
+    {"settlement", "calibration settlement", command_settlement, "long-term settlement under cycles"},
 };
 
 static void print_help(FILE *out)

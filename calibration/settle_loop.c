@@ -1,0 +1,237 @@
+#include "calibration/settle_loop.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/cli.h"
+#include "pipeline/error.h"
+#include "simulation/loading.h"
+#include "simulation/placement.h"
+
+struct run {
+    const struct settle_options *options;
+    struct simulation simulation;
+    struct loading loading;
+    struct settle_result *result;
+    double *now; /* positions, then width and height */
+    size_t values;
+    size_t cycle;
+};
+
+void settle_result_free(struct settle_result *result)
+{
+    free(result->settlement);
+    free(result->z);
+    free(result->start);
+    free(result->end);
+    memset(result, 0, sizeof *result);
+}
+
+static void look(struct run *run)
+{
+    const struct dem *dem = &run->loading.dem;
+    for (size_t k = 0; k < dem->count; k++)
+        run->now[2 * k] = dem->grains[k].x, run->now[2 * k + 1] = dem->grains[k].y;
+    run->now[2 * dem->count] = dem->box.size[BOX_WIDTH];
+    run->now[2 * dem->count + 1] = dem->box.size[BOX_HEIGHT];
+}
+
+static double coordination(const struct dem *dem)
+{
+    size_t contacts = 0;
+    for (size_t p = 0; p < dem->first[dem->count]; p++)
+        contacts += (size_t)dem->pairs[p].touching;
+    return 2 * (double)contacts / (double)dem->count;
+}
+
+static void note(struct run *run)
+{
+    run->result->settlement[run->cycle] = run->result->height - run->loading.dem.box.size[BOX_HEIGHT];
+    run->result->z[run->cycle] = coordination(&run->loading.dem);
+}
+
+static double largest_overlap(const struct dem *dem)
+{
+    double most = 0;
+    for (size_t p = 0; p < dem->pair_count; p++)
+        if (dem->pairs[p].touching)
+            most = fmax(most, dem->pairs[p].overlap);
+    return most;
+}
+
+/* Simulate so many cycles; their ends go to `ends` (NULL: no one needs them). */
+static int simulate_cycles(struct run *run, size_t count, struct cycle_ends *ends)
+{
+    if (ends) {
+        look(run);
+        if (cycle_ends_add(ends, run->now, run->values))
+            return -1;
+    }
+    for (size_t c = 0; c < count && run->cycle < run->options->cycles; c++) {
+        int rested = loading_step(&run->loading, 1);
+        if (rested < 0)
+            return -1;
+        run->result->unrested += !rested;
+        run->result->simulated++;
+        run->cycle++;
+        note(run);
+        look(run);
+        if (ends && cycle_ends_add(ends, run->now, run->values))
+            return -1;
+    }
+    return 0;
+}
+
+/* Grains that fewer than two contacts hold go nowhere in particular: their way has no trend. */
+static int is_held(const struct dem *dem, size_t grain)
+{
+    int contacts = 0;
+    for (size_t p = 0; p < dem->pair_count; p++) {
+        const struct dem_pair *pair = &dem->pairs[p];
+        contacts += pair->touching && ((size_t)pair->i == grain || (size_t)pair->j == grain);
+    }
+    return contacts >= 2;
+}
+
+/* Grains and box to where their trends lead. */
+static int place_ahead(struct run *run, const struct cycle_ends *ends, size_t h, struct trend *trends)
+{
+    struct dem *dem = &run->loading.dem;
+    double t0 = (double)(run->cycle - (ends->cycles - 1)), *ahead = run->now;
+    if (cycle_ends_ahead(ends, run->options->trend, fmax(1, t0), (double)h, ahead, trends))
+        return -1;
+    for (size_t k = 0; k < dem->count; k++)
+        if (!dem->grains[k].fixed && is_held(dem, k))
+            dem->grains[k].x = ahead[2 * k], dem->grains[k].y = ahead[2 * k + 1];
+    if (run->loading.servo.hold[BOX_WIDTH] == HOLD_STRESS)
+        dem->box.size[BOX_WIDTH] = ahead[2 * dem->count];
+    dem->box.size[BOX_HEIGHT] = ahead[2 * dem->count + 1];
+    run->result->last = trends[run->values - 1];
+    return 0;
+}
+
+static int part(struct run *run, double before)
+{
+    struct unpress unpressed;
+    struct dem *dem = &run->loading.dem;
+    if (dem_forces_static(dem, 0))
+        return -1;
+    if (!(largest_overlap(dem) > run->options->excess * before))
+        return 0;
+    if (unpress(dem, NULL, 0, &unpressed))
+        return -1;
+    run->result->parted++;
+    run->result->steps += unpressed.iterations;
+    if (unpressed.overlap[0] > run->result->worst.overlap[0])
+        run->result->worst = unpressed;
+    return 0;
+}
+
+static int relax(struct run *run)
+{
+    struct loading *loading = &run->loading;
+    struct patience patience = {run->simulation.tolerance, run->simulation.max_steps, loading->stiffness};
+    int rested = dem_relax(&loading->dem, &loading->servo, &patience, &loading->steps);
+    run->result->unrested += rested == 0;
+    return rested < 0 ? -1 : 0;
+}
+
+static int jump(struct run *run, const struct cycle_ends *ends)
+{
+    size_t left = run->options->cycles - run->cycle, h = run->options->ahead < left ? run->options->ahead : left;
+    struct trend *trends = calloc(run->values, sizeof *trends);
+    double before = largest_overlap(&run->loading.dem);
+    int status = trends ? place_ahead(run, ends, h, trends) : error_memory("trends");
+    struct unpress carried;
+    free(trends);
+    if (!status && run->options->carry)
+        status = carry_contacts(&run->loading.dem, &carried);
+    if (status || part(run, before) || relax(run))
+        return -1;
+    run->cycle += h;
+    run->loading.turns += (double)h;
+    run->result->jumps++;
+    note(run);
+    log_event("jump", "cycle", (double)run->cycle, "settlement_m", run->result->settlement[run->cycle], NULL);
+    return 0;
+}
+
+static int run_all(struct run *run)
+{
+    const struct settle_options *options = run->options;
+    note(run);
+    if (simulate_cycles(run, options->ahead ? options->initial : options->cycles, NULL))
+        return -1;
+    while (run->cycle < options->cycles) {
+        struct cycle_ends ends = {0};
+        int status = simulate_cycles(run, options->train, &ends);
+        if (!status && run->cycle < options->cycles)
+            status = jump(run, &ends);
+        cycle_ends_free(&ends);
+        if (status)
+            return -1;
+    }
+    return 0;
+}
+
+static int result_alloc(struct run *run)
+{
+    struct settle_result *result = run->result;
+    result->cycles = run->options->cycles;
+    result->grains = run->loading.dem.count;
+    run->values = 2 * result->grains + 2;
+    result->settlement = malloc((result->cycles + 1) * sizeof *result->settlement);
+    result->z = malloc((result->cycles + 1) * sizeof *result->z);
+    result->start = malloc(run->values * sizeof *result->start);
+    result->end = malloc(run->values * sizeof *result->end);
+    run->now = malloc(run->values * sizeof *run->now);
+    if (!result->settlement || !result->z || !result->start || !result->end || !run->now)
+        return error_memory("settlement");
+    for (size_t c = 0; c <= result->cycles; c++)
+        result->settlement[c] = result->z[c] = NAN;
+    result->height = run->loading.dem.box.size[BOX_HEIGHT];
+    return 0;
+}
+
+static int check(const struct simulation *simulation, const struct settle_options *options)
+{
+    if (simulation->test != TEST_CYCLIC)
+        return error_input("settlement needs simulation.test \"cyclic\"");
+    if (options->cycles < 1 || (options->ahead && options->train < 2))
+        return error_input("%zu cycles in all, %zu to learn from: give 1 and 2 or more", options->cycles,
+                           options->train);
+    if (options->ahead && options->initial + options->train >= options->cycles)
+        return error_input("%zu + %zu cycles are simulated before the first jump, and there are %zu in all: nothing is "
+                           "left to extrapolate",
+                           options->initial, options->train, options->cycles);
+    return 0;
+}
+
+int settle_run(const struct simulation *simulation, const struct settle_options *options, struct settle_result *result)
+{
+    struct run run = {.options = options, .simulation = *simulation, .result = result};
+    run.loading.simulation = &run.simulation;
+    memset(result, 0, sizeof *result);
+    if (check(simulation, options))
+        return -1;
+    int status = placement(simulation, &run.loading.dem) || loading_begin(&run.loading) < 0 ? -1 : 0;
+    if (!status)
+        status = result_alloc(&run);
+    long begun = run.loading.steps;
+    if (!status) {
+        look(&run);
+        memcpy(result->start, run.now, run.values * sizeof *run.now);
+        status = run_all(&run);
+    }
+    if (!status) {
+        look(&run);
+        memcpy(result->end, run.now, run.values * sizeof *run.now);
+        result->steps += run.loading.steps - begun;
+    }
+    free(run.now);
+    dem_free(&run.loading.dem);
+    if (status)
+        settle_result_free(result);
+    return status;
+}
