@@ -1,12 +1,14 @@
 /* Speed against error of the force methods, on virtual states with known forces (docs/forces.md):
  *
- *     bench_forces speed|noise|network|interval [--kappa K,...] [--grains N] [--seed S]
+ *     bench_forces speed|noise|network|interval|kn|along|range|warm [--kappa K,...] [--grains N] [--seed S] [--steps N]
+ *                  [--strain E]
  *
  * All times are CPU seconds of one thread, the network and its factorisation included. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/range.h"
 #include "pipeline/error.h"
 #include "tests/bench/force_states.h"
 
@@ -14,6 +16,7 @@ struct bench {
     double kappa[8], grains;
     int kappas;
     long steps;
+    double strain; /* of a step */
     uint64_t seed;
     const struct packing *previous; /* state before this one, with its true forces; NULL: none */
 };
@@ -53,20 +56,69 @@ static void headline(void)
 
 typedef int table(const struct bench *bench, const struct packing *truth, const char *label);
 
+/* One line per method, start and variant: iterations and CPU seconds to each residual, r at the last that was reached.
+ * A residual that was not reached is followed by none that is smaller. */
+struct variant {
+    enum force_method method;
+    enum force_start start;
+    int anderson; /* qsm; cdm: over-relaxation 1.3 when negative */
+    const char *name;
+};
+
+static int race(const struct packing *truth, const struct variant *variant, const char *label)
+{
+    static const double tolerances[] = {1e-2, 1e-4, 1e-6, 1e-8};
+    const struct forces *dem = packing_forces(truth, "dem");
+    double r[2] = {NAN, NAN};
+    printf("%-14s %-24s", label, variant->name);
+    for (int t = 0, reached = 1; t < 4; t++) {
+        struct force_options options = usual();
+        struct forces forces;
+        options.start = variant->start;
+        options.tolerance = tolerances[t];
+        if (variant->anderson >= 0)
+            options.anderson = variant->anderson;
+        else
+            options.relaxation = 1.3;
+        if (!reached) {
+            printf(" %15s", "-");
+            continue;
+        }
+        double begin = states_cpu();
+        if (infer_forces(truth, &options, variant->method, &forces))
+            return -1;
+        double cpu = states_cpu() - begin;
+        reached = forces.converged;
+        if (reached)
+            printf(" %7d / %5.3f", forces.iterations, cpu);
+        else
+            printf(" %7.0e in %4.2f", forces.imbalance, cpu);
+        r[0] = states_r(truth, truth, dem->contact.fn, forces.contact.fn, 1);
+        r[1] = states_r(truth, truth, dem->contact.ft, forces.contact.ft, 0);
+        forces_free(&forces);
+    }
+    printf("   %.3f / %.3f\n", r[0], r[1]);
+    fflush(stdout);
+    return 0;
+}
+
 static int table_speed(const struct bench *bench, const struct packing *truth, const char *label)
 {
+    static const struct variant variants[] = {{METHOD_CDM, START_ZERO, FORCE_ANDERSON, "cdm, zero"},
+                                              {METHOD_CDM, START_ZERO, -1, "cdm, zero, relaxation 1.3"},
+                                              {METHOD_CDM, START_OVERLAP, FORCE_ANDERSON, "cdm, overlap"},
+                                              {METHOD_QSM, START_ZERO, 0, "qsm, zero, plain"},
+                                              {METHOD_QSM, START_ZERO, FORCE_ANDERSON, "qsm, zero"},
+                                              {METHOD_QSM, START_OVERLAP, 0, "qsm, overlap, plain"},
+                                              {METHOD_QSM, START_OVERLAP, FORCE_ANDERSON, "qsm, overlap"},
+                                              {METHOD_MAP, START_ZERO, FORCE_ANDERSON, "map, zero"},
+                                              {METHOD_MAP, START_OVERLAP, FORCE_ANDERSON, "map, overlap (exact)"}};
     (void)bench;
-    static const double tolerances[] = {1e-2, 1e-4, 1e-6, 1e-8};
-    static const enum force_start starts[] = {START_ZERO, START_OVERLAP};
-    for (int method = METHOD_CDM; method <= METHOD_MAP; method++)
-        for (int s = 0; s < 2; s++)
-            for (int t = 0; t < 4; t++) {
-                struct force_options options = usual();
-                options.start = starts[s];
-                options.tolerance = tolerances[t];
-                if (measure(truth, truth, &options, (enum force_method)method, label))
-                    return -1;
-            }
+    printf("%-14s %-24s %15s %15s %15s %15s   r(fn) / r(ft)\n", "", "iterations / CPU s to", "1e-2", "1e-4", "1e-6",
+           "1e-8");
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; v++)
+        if (race(truth, &variants[v], label))
+            return -1;
     return 0;
 }
 
@@ -160,12 +212,89 @@ static int table_warm(const struct bench *bench, const struct packing *truth, co
     return 0;
 }
 
+/* kn wrong by 20 %, rescaled to the loads, against the right kn: what it costs in r. */
+static int table_kn(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const double pixels[] = {0.03, 0.1}, factors[] = {1, 0.8, 1.2};
+    for (int k = 0; k < 2; k++) {
+        struct disturbance disturbance = {PIXEL * pixels[k], 0, 0, 0, bench->seed};
+        struct packing measured;
+        if (states_disturb(truth, &disturbance, &measured))
+            return -1;
+        for (int rescale = 0; rescale < 2; rescale++)
+            for (int f = 0; f < 3; f++) {
+                struct force_options options = usual();
+                char text[100];
+                options.start = START_OVERLAP;
+                options.law.kn *= factors[f];
+                options.rescale = rescale;
+                snprintf(text, sizeof text, "%s %.2f px kn x %g%s", label, pixels[k], factors[f],
+                         rescale ? " rescaled" : "");
+                if (measure(truth, &measured, &options, METHOD_MAP, text))
+                    return -1;
+            }
+        packing_free(&measured);
+    }
+    return 0;
+}
+
+/* Every state of a test (--steps): exact overlaps and 0.1 px. */
+static int table_along(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    for (int noise = 0; noise < 2; noise++) {
+        struct disturbance disturbance = {noise ? PIXEL * 0.1 : 0, 0, 0, 0, bench->seed};
+        struct packing measured;
+        char text[100];
+        if (noise ? states_disturb(truth, &disturbance, &measured) : packing_copy(truth, &measured))
+            return -1;
+        snprintf(text, sizeof text, "%s%s", label, noise ? " 0.1 px" : "");
+        for (int method = METHOD_QSM; method <= METHOD_MAP; method++) {
+            struct force_options options = usual();
+            options.start = START_OVERLAP;
+            options.rescale = noise;
+            if (measure(truth, &measured, &options, (enum force_method)method, text))
+                return -1;
+        }
+        packing_free(&measured);
+    }
+    struct force_options options = usual();
+    options.start = START_ZERO;
+    return measure(truth, truth, &options, METHOD_MAP, label);
+}
+
+/* Exact least and largest fn of five contacts: CPU seconds a contact. */
+static int table_range(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    (void)bench;
+    const struct forces *dem = packing_forces(truth, "dem");
+    double mean = states_mean_force(truth);
+    for (int k = 0; k < 5; k++) {
+        struct force_options options = usual();
+        struct forces forces;
+        char rows[40];
+        size_t row = (2 * (size_t)k + 1) * truth->contacts.count / 10;
+        snprintf(rows, sizeof rows, "%zu", row);
+        options.range = rows;
+        if (infer_forces(truth, &options, METHOD_MAP, &forces))
+            return -1;
+        double begin = states_cpu();
+        if (range_forces(truth, &options, METHOD_MAP, &forces))
+            return -1;
+        printf("%-24s contact %5zu: true fn %.3f, least %.4f, largest %.4f <fn>, %.2f cpu s\n", label, row,
+               dem->contact.fn[row] / mean, forces.contact.fn_low[row] / mean, forces.contact.fn_high[row] / mean,
+               states_cpu() - begin);
+        fflush(stdout);
+        forces_free(&forces);
+    }
+    return 0;
+}
+
 static int run(const struct bench *bench, table *make)
 {
     headline();
     for (int k = 0; k < bench->kappas; k++) {
         struct states states;
-        int failed = states_simulate(bench->grains, bench->kappa[k], 1, bench->steps, 1e-3, &states) < 0;
+        int failed = states_simulate(bench->grains, bench->kappa[k], 1, bench->steps, bench->strain, &states) < 0;
         for (size_t s = 0; !failed && s < states.count; s++) {
             char label[60];
             snprintf(label, sizeof label, "kappa %g state %zu", bench->kappa[k], s);
@@ -185,12 +314,10 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         table *make;
-    } tables[] = {{"speed", table_speed},
-                  {"noise", table_noise},
-                  {"network", table_network},
-                  {"interval", table_interval},
-                  {"warm", table_warm}};
-    struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .seed = 7};
+    } tables[] = {{"speed", table_speed},       {"noise", table_noise}, {"network", table_network},
+                  {"interval", table_interval}, {"kn", table_kn},       {"along", table_along},
+                  {"range", table_range},       {"warm", table_warm}};
+    struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .strain = 1e-3, .seed = 7};
     table *make = NULL;
     for (int k = 1; k < argc; k++) {
         const char *value = k + 1 < argc ? argv[k + 1] : "";
@@ -206,9 +333,12 @@ int main(int argc, char **argv)
             bench.seed = strtoull(value, NULL, 10);
         if (!strcmp(argv[k], "--steps"))
             bench.steps = strtol(value, NULL, 10);
+        if (!strcmp(argv[k], "--strain"))
+            bench.strain = strtod(value, NULL);
     }
     if (!make) {
-        fprintf(stderr, "bench_forces: which table? speed, noise, network, interval or warm [--kappa K,... --grains N "
+        fprintf(stderr, "bench_forces: which table? speed, noise, network, interval, kn, along, range or warm [--kappa "
+                        "K,... --grains N "
                         "--steps N]\n");
         return EXIT_USAGE;
     }
