@@ -54,11 +54,28 @@ static int solve(const struct packing *packing, const struct network *network, c
     return solve_map(packing, network, options, f, outcome, spread);
 }
 
-/* cem has no say in equilibrium: it is judged like the others. */
-static int judge(const struct network *network, const struct force_options *options, const double *f,
-                 struct outcome *outcome, double *unbalance)
+/* Largest load on a grain that nothing can hold, in working units: it stays unbalanced. Grains that were not measured
+ * are left out: nobody knows what holds them. */
+static double falling(const struct packing *packing, const struct network *network)
 {
-    outcome->imbalance = network_judge(network, f, unbalance);
+    const struct grains *g = &packing->grains;
+    double largest = 0;
+    for (size_t k = 0; k < network->grains; k++) {
+        if (!network->peeled[k] || (g->flags && (g->flags[k] & GRAIN_DISTRUST)))
+            continue;
+        largest = fmax(largest, g->load_x ? fabs(g->load_x[k]) / network->force : 0);
+        largest = fmax(largest, g->load_y ? fabs(g->load_y[k]) / network->force : 0);
+        largest = fmax(largest, g->load_m ? fabs(g->load_m[k]) / network->force / network->radius : 0);
+    }
+    return largest;
+}
+
+/* cem has no say in equilibrium: it is judged like the others. */
+static int judge(const struct packing *packing, const struct network *network, const struct force_options *options,
+                 const double *f, struct outcome *outcome, double *unbalance)
+{
+    outcome->imbalance =
+        fmax(network_judge(network, f, unbalance), falling(packing, network) / network_mean_force(network, f));
     outcome->converged = outcome->imbalance <= options->tolerance;
     for (size_t k = 0; k < 2 * network->count; k++)
         if (!isfinite(f[k]))
@@ -158,7 +175,7 @@ static int infer(const struct packing *packing, const struct network *network, c
     if (!f || !unbalance)
         status = error_memory("forces");
     else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
-             !judge(network, options, f, &outcome, unbalance))
+             !judge(packing, network, options, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
     if (!status && spread.s_fn)
         status = store_spread(network, &spread, &forces->contact);

@@ -67,6 +67,7 @@ static inline double add_up(const struct packing *packing, const struct forces *
             continue;
         sum[3 * k] += g->load_x ? g->load_x[k] : 0;
         sum[3 * k + 1] += g->load_y ? g->load_y[k] : 0;
+        sum[3 * k + 2] += g->load_m ? g->load_m[k] : 0;
         check_near(sum[3 * k], forces->residual.residual_x[k], 1e-9 * mean);
         check_near(sum[3 * k + 1], forces->residual.residual_y[k], 1e-9 * mean);
         check_near(sum[3 * k + 2], forces->residual.residual_m[k], 1e-9 * mean * g->radius[k]);
