@@ -6,10 +6,12 @@
 #include <string.h>
 
 enum { RAYS = 96, PER_RAY = 3, PROFILE = 96, TRIALS = 160, ROUNDS = 4 };
-#define REACH 0.35     /* edges are looked for within this share of the radius */
-#define FAINTEST 0.15  /* fall over two pixels, in contrasts of this grain */
-#define TOLERANCE 0.75 /* level pixels between an edge and the circle that it supports */
-#define BESIDE 0.15    /* of the radius: over this depth the void outside a rim is darker than the grain inside */
+#define REACH 0.35           /* edges are looked for within this share of the radius */
+#define FAINTEST 0.15        /* fall over two pixels, in contrasts of this grain */
+#define NEIGHBOUR_BEHIND 0.3 /* trust in a fall that is not followed by void: another grain may be there */
+#define TOLERANCE 0.75       /* level pixels between an edge and the circle that it supports */
+#define LUCKY 0.6            /* share of the draws that take the right edge of a ray that has it */
+#define BESIDE 0.15          /* of the radius: over this depth the void outside a rim is darker than the grain inside */
 
 struct ray_edge {
     double x, y, r, fall; /* fall: 0 to 1, full from half the grain's contrast on */
@@ -92,7 +94,7 @@ static void scan_ray(const struct level *level, const struct rim *place, double 
         double r = first + (k + shift) * step;
         double wide = fmax(0, fall_beside(profile, count, k, beside) / contrast);
         struct ray_edge edge = {place->x + r * rays->cos[ray], place->y + r * rays->sin[ray], r,
-                                fmin(1, 2 * fall[k]) * fmin(1, 2 * wide)};
+                                fmin(1, 2 * fall[k]) * (NEIGHBOUR_BEHIND + (1 - NEIGHBOUR_BEHIND) * fmin(1, 2 * wide))};
         insert_edge(rays, ray, &edge);
     }
 }
@@ -172,10 +174,18 @@ static void draw_edges(const struct rays *rays, uint64_t key, int trial, int ray
     }
 }
 
+/* Trials after which a better circle would have been met but once in a thousand times: Fischler and Bolles, eq. (4),
+ * with three edges that belong to the rim. */
+static double trials_for(double support)
+{
+    double share = LUCKY * support;
+    return log(1e-3) / log(1 - share * share * share);
+}
+
 static double best_circle(const struct rays *rays, const struct rim *place, uint64_t key, struct rim *best)
 {
-    double support = 0;
-    for (int trial = 0; trial < TRIALS && support < 0.9; trial++) {
+    double support = 0, needed = TRIALS;
+    for (int trial = 0; trial < needed; trial++) {
         const struct ray_edge *picked[3];
         int ray[3];
         draw_edges(rays, key, trial, ray, picked);
@@ -189,6 +199,7 @@ static double best_circle(const struct rays *rays, const struct rim *place, uint
         double now = support_of(rays, &rim);
         if (now > support) {
             support = now;
+            needed = fmin(TRIALS, trials_for(support));
             *best = rim;
         }
     }

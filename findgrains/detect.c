@@ -14,7 +14,7 @@
 #define MARGIN 1.06     /* radii this much outside the range are looked for as well */
 #define SAME_PLACE 0.08 /* of R_i + R_j: peaks of the votes nearer than this lead to the same capture */
 #define LEAST_SUPPORT 0.30
-#define SURE_SUPPORT 0.55 /* circles of specks reach 0.5 */
+#define SURE_SUPPORT 0.6 /* circles of specks reach 0.55 */
 #define SURE_ONE_SIDED 0.5
 #define LEAST_GREY 0.2 /* of the contrast: a grain is at least that much brighter than the voids */
 #define MOST_ONE_SIDED 0.72
@@ -85,6 +85,11 @@ static void to_photo(const struct level *level, struct candidate *item)
     item->spread *= level->scale;
 }
 
+static int is_sure(const struct candidate *item)
+{
+    return item->support >= SURE_SUPPORT && item->one_side <= SURE_ONE_SIDED;
+}
+
 /* From a peak to the rim that is supported best around it: a circle of specks that touches the rim from inside is left
  * by looking again from there, and from a larger one. */
 static int capture_peak(const struct search *search, const struct octave *octave, const struct rim *peak, uint64_t key,
@@ -94,7 +99,7 @@ static int capture_peak(const struct search *search, const struct octave *octave
     const struct rim start = to_level(&octave->fine, peak);
     if (!capture_rim(&octave->fine, &start, void_level, key, least, found) || found->support < LEAST_SUPPORT)
         return 0;
-    for (uint64_t again = 1; again <= AGAIN; again++) {
+    for (uint64_t again = 1; again <= AGAIN && !is_sure(found); again++) {
         struct rim place = found->rim;
         struct candidate other;
         if (again % 2 == 0)
@@ -106,11 +111,6 @@ static int capture_peak(const struct search *search, const struct octave *octave
     to_photo(&octave->fine, found);
     return found->rim.radius >= octave->low / MARGIN && found->rim.radius <= octave->high * MARGIN &&
            found->one_side <= MOST_ONE_SIDED;
-}
-
-static int is_sure(const struct candidate *item)
-{
-    return item->support >= SURE_SUPPORT && item->one_side <= SURE_ONE_SIDED;
 }
 
 /* Capture a run of peaks, whatever the cover says meanwhile; those that hold are added. */

@@ -8,9 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns of the least squares in one sector; the photo itself is one of them. The first PLAIN ones are there at every
- * pixel. */
-enum { LEVEL_OUT, STEP, SHIFT, TEXTURE_NEAR, TEXTURE_DEEP, GREY, PLAIN, NEIGHBOUR = PLAIN, BLUR, COLUMNS };
+/* Columns of the least squares in one sector; the photo itself is one of them. The first SIMPLE ones are there at every
+ * pixel, the first PLAIN ones when there is texture. Even numbers: products are made in pairs. */
+enum {
+    LEVEL_OUT,
+    STEP,
+    SHIFT,
+    GREY,
+    SIMPLE,
+    TEXTURE_NEAR = SIMPLE,
+    TEXTURE_DEEP,
+    PLAIN,
+    NEIGHBOUR = PLAIN,
+    BLUR,
+    COLUMNS
+};
 /* What a sector collects: products of columns, its number of pixels, the narrowest gap to something else, whether
  * a neighbour is near at all. */
 enum { PIXELS = COLUMNS * COLUMNS, NEAREST, CROWDED, SUMS };
@@ -85,23 +97,41 @@ static double neighbour_profile(const struct annulus *ring, double x, double y, 
     return sum;
 }
 
-/* Add one pixel's products to a sector: the upper triangle in the order of the columns. */
+/* Two numbers that are multiplied at once; sums need no alignment of their own. */
+typedef double pair __attribute__((vector_size(16)));
+typedef double loose_pair __attribute__((vector_size(16), aligned(8)));
+
+/* Products of the first 2 x `pairs` columns: the upper triangle, and what pairs of numbers bring along below it. */
+static inline void add_triangle(const pair *row, int pairs, double *sums)
+{
+    for (int i = 0; i < pairs; i++)
+        for (int half = 0; half < 2; half++) {
+            loose_pair *line = (loose_pair *)(void *)(sums + (2 * i + half) * COLUMNS);
+            const pair factor = {row[i][half], row[i][half]};
+            for (int j = i; j < pairs; j++)
+                line[j] += factor * row[j];
+        }
+}
+
+/* Add one pixel's products to a sector. */
 static void add_products(const struct annulus *ring, double t, double other, double grey, double *sums)
 {
     const struct edge_settings *settings = ring->settings;
     struct profile profile = profile_at(t);
     double bell = profile.bell / settings->blur;
-    const double row[COLUMNS] = {1, profile.step, bell, profile.near_rim, profile.deeper, grey, other, t * bell};
-    for (int i = 0; i < PLAIN; i++)
-        for (int j = i; j < PLAIN; j++)
-            sums[i * COLUMNS + j] += row[i] * row[j];
-    if (other > NEGLIGIBLE)
-        for (int i = 0; i <= NEIGHBOUR; i++)
-            sums[i * COLUMNS + NEIGHBOUR] += row[i] * other;
-    if (settings->fit_blur)
-        for (int i = 0; i <= BLUR; i++)
-            sums[i * COLUMNS + BLUR] += row[i] * row[BLUR];
+    const pair plain[PLAIN / 2] = {{1, profile.step}, {bell, grey}, {profile.near_rim, profile.deeper}};
+    if (settings->texture > 0)
+        add_triangle(plain, PLAIN / 2, sums);
+    else
+        add_triangle(plain, SIMPLE / 2, sums);
     sums[PIXELS] += 1;
+    if (!(other > NEGLIGIBLE) && !settings->fit_blur)
+        return;
+    const double row[COLUMNS] = {1, profile.step, bell, grey, profile.near_rim, profile.deeper, other, t * bell};
+    for (int i = 0; i <= NEIGHBOUR && other > NEGLIGIBLE; i++)
+        sums[i * COLUMNS + NEIGHBOUR] += row[i] * other;
+    for (int i = 0; i <= BLUR && settings->fit_blur; i++)
+        sums[i * COLUMNS + BLUR] += row[i] * row[BLUR];
 }
 
 /* Angle of (x, y) as a share of the turn, 0 at -x, by a polynomial: right to 2e-5 turns. */

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEIGHBOURS = 64, LAGS = 8 };
+enum { NEIGHBOURS = 64, LAGS = 8, BLUR_SAMPLE = 24 };
 /* 95 % efficient for normal errors; narrower where specks make outliers. */
 #define TUKEY_PLAIN 4.685
 #define TUKEY_TEXTURED 3.5
@@ -80,6 +80,8 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
             if (is_done(&rims->items[k], rows.leave_still))
                 continue;
             if (rough > 0) {
+                if (to[at].support > 0 && rough * rims->origin[k].spread < settings->blur)
+                    continue; /* near enough for the fine fit */
                 own.blur = fmax(settings->blur, fmin(rough * rims->origin[k].spread, 0.15 * rims->items[k].rim.radius));
                 own.window = fmin(2.5 * own.blur, 0.5 * rims->items[k].rim.radius);
             }
@@ -142,8 +144,7 @@ int rims_approach(const struct photo *photo, const struct zone *zone, const stru
     struct edge_settings settings = settings_of(state);
     double rough = 1, closer = blur_is_known ? 0.4 : 0.7;
     settings.damping = blur_is_known ? settings.damping : 0.5;
-    int rounds = settings.damping < 1 ? 6 : 3;
-    for (int round = 0; round < rounds; round++, rough *= closer)
+    for (int round = 0; round < (blur_is_known ? 3 : 6); round++, rough *= closer)
         if (iterate_and_accept(photo, zone, &settings, state->ellipse, rough, rims, rows))
             return -1;
     return 0;
@@ -159,7 +160,7 @@ int rims_iterate(const struct photo *photo, const struct zone *zone, const struc
     for (int k = 0; k < most; k++) {
         size_t moving = 0;
         if (k >= PATIENCE) /* what still swings is calmed */
-            settings.damping = 0.5;
+            settings.damping = k >= 2 * PATIENCE - 1 ? 0.25 : 0.5;
         if (iterate_and_accept(photo, zone, &settings, state->ellipse, 0, rims, rows))
             return -1;
         for (size_t at = 0; at < rows.count; at++)
@@ -217,6 +218,11 @@ int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struc
                        struct rows rows)
 {
     struct refined fitted[RIMS_SAMPLE];
+    size_t few[BLUR_SAMPLE];
+    for (size_t k = 0; k < BLUR_SAMPLE; k++)
+        few[k] = rows.count ? rows.list[k * rows.count / BLUR_SAMPLE] : 0;
+    if (rows.count > BLUR_SAMPLE)
+        rows = (struct rows){few, BLUR_SAMPLE, 0};
     for (int round = 0; round < 10 && rows.count; round++) {
         struct edge_settings settings = settings_of(state);
         settings.window = 3 * state->blur;

@@ -28,7 +28,7 @@ struct rows {
     size_t count;
     int leave_still; /* leave out those that stand still */
 };
-enum { RIMS_SAMPLE = 96 };
+enum { RIMS_SAMPLE = 64 };
 #define RIMS_STILL 0.004 /* px of the last step: far below any standard error */
 
 struct rows rims_all(const struct rims *rims);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define CHANCE 0.35 /* support of circles through specks */
+#define CHANCE 0.3 /* support below which nothing is a rim */
 
 int candidates_add(struct candidates *list, const struct candidate *item)
 {
