@@ -6,13 +6,17 @@
 #include "tracker/target.h"
 #include "tracker/track_grains.h"
 
+enum { QUARTERS = 4 };
+
 struct tracker {
     const struct photo *reference;
     const struct photo_grains *grains;
     struct tracker_options options;
     struct target *targets; /* patches first, then grains */
     size_t patch_count, count;
-    long *nearest; /* among the grains */
+    size_t first_quarter; /* one piece of paper alone is followed in quarters too, which show the zoom; up to
+                             patch_count */
+    long *nearest;        /* among the grains */
     struct pyramid reference_pyramid;
     uint16_t saturation;
     struct search_workspace *workspaces; /* one per thread */

@@ -5,22 +5,32 @@
 #include "pipeline/error.h"
 #include "tracker/follow.h"
 #include "tracker/neighbours.h"
+#include "tracker/simd.h"
+
+SIMD_CLONES static uint16_t largest_of(const uint16_t *grey, size_t n)
+{
+    uint16_t largest = 0;
+    for (size_t k = 0; k < n; k++)
+        largest = grey[k] > largest ? grey[k] : largest;
+    return largest;
+}
+
+SIMD_CLONES static size_t count_of(const uint16_t *grey, size_t n, uint16_t value)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < n; k++)
+        count += grey[k] == value;
+    return count;
+}
 
 /* The grey value at which the sensor clips: the largest one, when far more pixels hold it than chance would put there.
  * 0: none. */
 static uint16_t saturation_of(const struct photo *photo)
 {
-    size_t n = (size_t)photo->width * (size_t)photo->height, count = 0;
-    uint16_t largest = 0;
-    for (size_t k = 0; k < n; k++) {
-        if (photo->pixels[k] > largest) {
-            largest = photo->pixels[k];
-            count = 0;
-        }
-        count += photo->pixels[k] == largest;
-    }
+    size_t n = (size_t)photo->width * (size_t)photo->height;
+    uint16_t largest = largest_of(photo->pixels, n);
     unsigned range = photo->bits == 8 ? 255 : 65535;
-    return largest > range / 2 && count > 16 + n / 100000 ? largest : 0;
+    return largest > range / 2 && count_of(photo->pixels, n, largest) > 16 + n / 100000 ? largest : 0;
 }
 
 static struct target grain_target(const struct photo_grains *grains, size_t k, double subset)
@@ -38,6 +48,14 @@ static struct target rect_target(const struct rect *rect)
     return (struct target){
         .shape = {.cx = rect->x0 + w, .cy = rect->y0 + h, .radius = hypot(w, h), .half_w = w, .half_h = h},
         .given = w > 0 && h > 0};
+}
+
+/* Quarter `k` of a piece of paper. */
+static struct target quarter_target(const struct rect *rect, int k)
+{
+    double mx = (rect->x0 + rect->x1) / 2, my = (rect->y0 + rect->y1) / 2;
+    return rect_target(&(struct rect){k % 2 ? mx + 0.5 : rect->x0, k / 2 ? my + 0.5 : rect->y0,
+                                      k % 2 ? rect->x1 : mx - 0.5, k / 2 ? rect->y1 : my - 0.5});
 }
 
 /* Rims that reach into a grain's subset, with a margin for the slopes and the point spread: they move with their own
@@ -63,7 +81,8 @@ static void find_intruders(struct tracker *tracker)
 static int make_targets(struct tracker *tracker)
 {
     const struct tracker_options *options = &tracker->options;
-    tracker->patch_count = options->drift_count + options->marker_count;
+    tracker->first_quarter = options->drift_count + options->marker_count;
+    tracker->patch_count = tracker->first_quarter + (options->drift_count == 1 ? QUARTERS : 0);
     tracker->count = tracker->patch_count + tracker->grains->count;
     tracker->targets = calloc(tracker->count ? tracker->count : 1, sizeof *tracker->targets);
     if (!tracker->targets)
@@ -72,6 +91,8 @@ static int make_targets(struct tracker *tracker)
         tracker->targets[k] = rect_target(&options->drift[k]);
     for (size_t k = 0; k < options->marker_count; k++)
         tracker->targets[options->drift_count + k] = rect_target(&options->markers[k].rect);
+    for (size_t k = tracker->first_quarter; k < tracker->patch_count; k++)
+        tracker->targets[k] = quarter_target(&options->drift[0], (int)(k - tracker->first_quarter));
     for (size_t k = 0; k < tracker->grains->count; k++)
         tracker->targets[tracker->patch_count + k] = grain_target(tracker->grains, k, options->subset);
     tracker->nearest = neighbours_find(tracker->targets + tracker->patch_count, tracker->grains->count);

@@ -83,7 +83,9 @@ static int find_runs(const struct photo *reference, const struct subset_mask *ma
         last = last >= reference->width - SLOPES_REACH ? reference->width - SLOPES_REACH - 1 : last;
         for (int x = first; x <= last;) {
             int begin = x;
-            while (x <= last && (!masked || is_used(reference, shape, mask, x, y)))
+            if (!masked)
+                x = last + 1;
+            while (x <= last && is_used(reference, shape, mask, x, y))
                 x++;
             if (x > begin && add_run(subset, &capacity, begin, y, x - begin))
                 return -1;

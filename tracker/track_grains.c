@@ -51,15 +51,17 @@ static void follow_free(struct follow *follow)
 static int find_camera(const struct follow *follow, struct camera *camera)
 {
     const struct tracker *tracker = follow->tracker;
-    const size_t count = tracker->options.drift_count;
+    const size_t first = tracker->patch_count > tracker->first_quarter ? tracker->first_quarter : 0;
+    const size_t count = first ? QUARTERS : tracker->options.drift_count;
     *camera = (struct camera)CAMERA_FIXED;
     if (!count)
         return 0;
     struct corrected *patches = calloc(count, sizeof *patches);
     int *good = calloc(count, sizeof *good);
     for (size_t k = 0; patches && good && k < count; k++) {
-        patches[k] = correct_lens(tracker->options.lens, &tracker->targets[k].shape, &follow->outcomes[k].fit);
-        good[k] = follow->outcomes[k].found == 2;
+        patches[k] =
+            correct_lens(tracker->options.lens, &tracker->targets[first + k].shape, &follow->outcomes[first + k].fit);
+        good[k] = follow->outcomes[first + k].found == 2;
     }
     int status = patches && good ? 0 : error_memory("the patches of paper");
     if (!status)

@@ -74,14 +74,15 @@ static void report(const struct tracks *tracks, int index, double cpu, double wa
     struct rusage usage;
     for (int k = 0; k < COUNT; k++) {
         struct motion m = motion_of(k, index);
-        square += (pow(tracks->grains.x_px[k] - place(k, 0) - m.u, 2) +
-                   pow(tracks->grains.y_px[k] - place(k, 1) - m.v, 2)) /
-                  (2 * COUNT);
+        square +=
+            (pow(tracks->grains.x_px[k] - place(k, 0) - m.u, 2) + pow(tracks->grains.y_px[k] - place(k, 1) - m.v, 2)) /
+            (2 * COUNT);
     }
     getrusage(RUSAGE_SELF, &usage);
-    printf("  photo %d: CPU %.2f s (elapsed %.2f s), RMS %.4f px, flagged %zu, peak memory %.0f MB = 2 photos + %.0f MB\n",
-           index, cpu, wall, sqrt(square), tracks_flagged(tracks), (double)usage.ru_maxrss * 1024 / 1e6,
-           (double)usage.ru_maxrss * 1024 / 1e6 - 4e-6 * FULL_WIDTH * FULL_HEIGHT);
+    printf(
+        "  photo %d: CPU %.2f s (elapsed %.2f s), RMS %.4f px, flagged %zu, peak memory %.0f MB = 2 photos + %.0f MB\n",
+        index, cpu, wall, sqrt(square), tracks_flagged(tracks), (double)usage.ru_maxrss * 1024 / 1e6,
+        (double)usage.ru_maxrss * 1024 / 1e6 - 4e-6 * FULL_WIDTH * FULL_HEIGHT);
     fflush(stdout);
 }
 
@@ -102,8 +103,7 @@ static int run(int keep, int photos, int threads)
         double cpu = clock_seconds(CLOCK_PROCESS_CPUTIME_ID), wall = clock_seconds(CLOCK_MONOTONIC);
         if (!tracker)
             tracker = tracker_open(&reference, &grains, &options);
-        if (!tracker ||
-            tracker_follow(tracker, &photo, previous.grains.count ? &previous.grains : NULL, &tracks)) {
+        if (!tracker || tracker_follow(tracker, &photo, previous.grains.count ? &previous.grains : NULL, &tracks)) {
             fprintf(stderr, "bench_tracker_photo: %s\n", error_message());
             return 1;
         }
