@@ -9,6 +9,7 @@
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 #include "pipeline/state.h"
+#include "tracker/original.h"
 #include "tracker/tracker_options.h"
 
 struct series {
@@ -57,11 +58,16 @@ static int series_open(struct series *series)
     }
     series->options.keep = paths->photo_count > 1;
     series->parameters = tracker_options_print(&series->options);
-    if (!series->parameters || read_grains(paths->grains, "seen", circle, &series->grains) ||
+    int text = original_is_text(paths->grains);
+    if (!series->parameters ||
+        (text ? original_read_grains(paths->grains, series->scene, &series->grains)
+              : read_grains(paths->grains, "seen", circle, &series->grains)) ||
         photo_read(paths->reference, &request, &series->reference))
         return -1;
     if (paths->previous) {
-        if (read_grains(paths->previous, "corrected", motion, &series->previous))
+        text = original_is_text(paths->previous);
+        if (text ? original_read_motion(paths->previous, series->scene, &series->grains, &series->previous)
+                 : read_grains(paths->previous, "corrected", motion, &series->previous))
             return -1;
         if (series->previous.count != series->grains.count)
             return error_input("%s: %zu grains, but %s has %zu: give tracks of the same reference", paths->previous,
