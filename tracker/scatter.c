@@ -19,8 +19,8 @@ struct strip {
 };
 
 struct totals {
-    double tiles[COMPONENTS], pixels[COMPONENTS]; /* sums of (Z'e over a tile)^2 and of (z e)^2 over its pixels */
-    double count;                                 /* tiles */
+    double tiles[COMPONENTS], pixels[COMPONENTS]; /* sums over tiles of (Z'e over the tile)^2; of (z e)^2 over pixels */
+    double squares[COMPONENTS];                   /* sums over tiles of the square of the latter */
 };
 
 static int strip_make(const struct subset *subset, struct strip *strip)
@@ -98,7 +98,6 @@ SIMD_CLONES static void add_pixels(const float *restrict e, const float *restric
 static void take(struct strip *strip, struct totals *totals)
 {
     for (int begin = 0; begin < strip->columns; begin += TILE_COLUMNS) {
-        int filled = 0;
         for (int a = 0; a < COMPONENTS; a++) {
             double sum = 0, square = 0;
             for (int i = begin; i < begin + TILE_COLUMNS; i++) {
@@ -107,9 +106,8 @@ static void take(struct strip *strip, struct totals *totals)
             }
             totals->tiles[a] += sum * sum;
             totals->pixels[a] += square;
-            filled |= square > 0;
+            totals->squares[a] += square * square;
         }
-        totals->count += filled;
     }
     memset(strip->block, 0, 2 * COMPONENTS * (size_t)strip->columns * sizeof *strip->block);
 }
@@ -136,7 +134,7 @@ int scatter_measure(const struct subset *subset, const struct patch *patch, cons
                     double offset, double expected, struct scatter *scatter)
 {
     struct strip strip = {0};
-    struct totals totals = {{0}, {0}, 0};
+    struct totals totals = {{0}, {0}, {0}};
     float *residual = malloc(subset->sampled * sizeof *residual);
     if (!residual || strip_make(subset, &strip)) {
         free(residual);
@@ -147,9 +145,13 @@ int scatter_measure(const struct subset *subset, const struct patch *patch, cons
     add_tiles(subset, residual, &strip, &totals);
     free(strip.block);
     free(residual);
-    double freedom = COMPONENTS * totals.count, measured = 0;
+    double freedom = 0, measured = 0; /* as many tiles as share the weight: few where there are few specks */
     for (int a = 0; a < COMPONENTS; a++)
-        measured += (totals.pixels[a] > 0 ? totals.tiles[a] / totals.pixels[a] : expected) / COMPONENTS;
-    scatter->ratio = (prior_freedom * expected + freedom * measured) / (prior_freedom + freedom);
+        if (totals.pixels[a] > 0) {
+            double tiles = totals.pixels[a] * totals.pixels[a] / totals.squares[a];
+            freedom += tiles;
+            measured += tiles * totals.tiles[a] / totals.pixels[a];
+        }
+    scatter->ratio = (prior_freedom * expected + measured) / (prior_freedom + freedom);
     return 0;
 }

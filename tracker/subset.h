@@ -42,7 +42,7 @@ struct subset {
     double instrument[3][3]; /* Z'Z */
     double noise_hessian[3]; /* what pixel noise of variance 1 adds to its diagonal */
     double speckle;          /* px: correlation length of the texture, sqrt(variance / mean squared slope) */
-    double speckle_count;    /* independent specks: pixels / (pi speckle^2) */
+    double speckle_count;    /* independent specks: textured pixels / (pi speckle^2) */
     double used;             /* share of the shape's pixels that is used */
     size_t saturated;        /* pixels left out at the upper end of the grey range */
 };

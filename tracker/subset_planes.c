@@ -238,6 +238,20 @@ static void noise_of_slopes(struct subset *subset)
     }
 }
 
+/* Pixels that carry the texture: all for a Gaussian one, those of the specks where there are few ((sum g2)^2 / sum g4,
+ * times 3, its kurtosis). */
+static double textured_pixels(const struct subset *subset)
+{
+    const float *grey = subset->planes + SUBSET_GREY * subset->count;
+    double second = 0, fourth = 0;
+    for (size_t k = 0; k < subset->count; k++) {
+        double square = (double)grey[k] * grey[k];
+        second += square;
+        fourth += square * square;
+    }
+    return fourth > 0 ? fmin(3 * second * second / fourth, (double)subset->count) : 0;
+}
+
 int subset_fill(const struct photo *reference, struct subset *subset)
 {
     struct products products = {0};
@@ -252,7 +266,8 @@ int subset_fill(const struct photo *reference, struct subset *subset)
     double slope2 = products.sum[Z][J] + products.sum[Z + 1][J + 1], n = (double)subset->count;
     subset->energy = products.sum[GREY][GREY] - products.sum[GREY][ONE] * products.sum[GREY][ONE] / n;
     subset->speckle = slope2 > 0 ? sqrt(2 * subset->energy / slope2) : 0;
-    subset->speckle_count = subset->speckle > 0 ? n / (pi * subset->speckle * subset->speckle) : 0;
+    subset->speckle_count =
+        subset->speckle > 0 ? textured_pixels(subset) / (pi * subset->speckle * subset->speckle) : 0;
     if (subset->energy > 0 && nuisance_shares(&products, share)) {
         set_matrices(&products, share, subset);
         orthogonalise(&slopes, share, products.sum[GREY][BLUR] / products.sum[GREY][GREY], products.sum[BLUR][ONE] / n,

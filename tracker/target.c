@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+static const double few_specks = 12; /* below, a place is good only when a search has seen that it is the only one */
+static const double same_fit = 1e-3; /* ZNCC: a search that comes back to the same place replaces what was there */
+
 static double clamp(double x, double low, double high)
 {
     return x < low ? low : x > high ? high : x;
@@ -91,10 +94,12 @@ static void keep_better(const struct target *target, const struct outcome *found
 {
     if (!found->fit.converged || found->fit.zncc < target_lost_zncc(target, found->searched))
         return;
-    if (outcome->found && outcome->fit.zncc >= found->fit.zncc)
+    if (outcome->found && outcome->fit.zncc >= found->fit.zncc + (found->searched ? same_fit : 0))
         return;
     *outcome = *found;
-    outcome->found = found->fit.zncc >= target_good_zncc(target, found->searched) && is_credible(&found->fit) ? 2 : 1;
+    int sure = found->searched || target->subset.speckle_count >= few_specks;
+    outcome->found =
+        sure && is_credible(&found->fit) && found->fit.zncc >= target_good_zncc(target, found->searched) ? 2 : 1;
 }
 
 int target_attempt(const struct target *target, const struct target_photos *photos, struct motion start,

@@ -138,6 +138,50 @@ static void test_an_ellipse_becomes_the_circle(void **state)
     assert_true(hypot(c, s) > 0.05);
 }
 
+/* One paper alone, a zoom of 1e-3: its quarters show it. A grain 400 px away would be wrong by 0.4 px without. */
+static void test_one_paper_shows_the_zoom(void **state)
+{
+    (void)state;
+    enum { SIDE = 480 };
+    const struct rect paper = {20, 20, 160, 160};
+    const double zoom = 1e-3, turn = 0.1 * degree, tx = 1.3, ty = -0.6, x = 400, y = 390;
+    struct canvas before = canvas_make(SIDE, SIDE, 0.7), after = canvas_make(SIDE, SIDE, 0.7);
+    const double centres[2][3] = {{90, 90, 110}, {x, y, 60}};
+    for (int k = 0; k < 2; k++) {
+        struct dots dots = dots_make(centres[k][2], DOTS_NORMAL, 950 + (uint64_t)k);
+        for (size_t d = 0; d < dots.count; d++) {
+            struct vec p = vec(centres[k][0] + dots.x[d], centres[k][1] + dots.y[d]), q = moved(p, zoom, turn, tx, ty);
+            canvas_add_dot(&before, p.x, p.y, dots.sigma[d], dots.height[d], 0);
+            q = vec_add(q, vec_sub(vec(240, 240), moved(vec(240, 240), zoom, turn, 0, 0))); /* about the middle here */
+            canvas_add_dot(&after, q.x, q.y, dots.sigma[d], dots.height[d], 0);
+        }
+        dots_free(&dots);
+    }
+    struct photo reference = canvas_photo(&before, 1, 0, 0.005, 1), photo = canvas_photo(&after, 1, 0, 0.005, 2);
+    static const char *const names[] = {"x_px", "y_px", "radius_px", "flags", NULL};
+    struct photo_grains grains = {0};
+    struct tracker_options options = TRACKER_DEFAULT;
+    struct tracks tracks = {0};
+    check_done(table_alloc(&PHOTO_GRAINS, &grains, 1, names));
+    grains.x_px[0] = x;
+    grains.y_px[0] = y;
+    grains.radius_px[0] = 45;
+    options.drift = &paper;
+    options.drift_count = 1;
+    check_done(track_grains(&reference, &grains, &photo, NULL, &options, &tracks));
+    assert_int_equal(tracks.patches.count, 1);
+    check_near(tracks.grains.x_px[0], x, 5 * tracks.grains.s_x[0]);
+    check_near(tracks.grains.y_px[0], y, 5 * tracks.grains.s_y[0]);
+    check_near(tracks.grains.angle[0], 0, 5 * tracks.grains.s_angle[0]);
+    check_at_most(tracks.grains.s_x[0], 0.03);
+    tracks_free(&tracks);
+    table_free(&PHOTO_GRAINS, &grains);
+    free(reference.pixels);
+    free(photo.pixels);
+    canvas_free(&before);
+    canvas_free(&after);
+}
+
 /* Drawn paper and drawn grains: the camera moves by pixels, the grains by their own 0.4 px. */
 static void test_drawn_paper(void **state)
 {
@@ -197,6 +241,7 @@ int main(void)
         cmocka_unit_test(test_without_a_good_patch_nothing_is_known),
         cmocka_unit_test(test_the_lens_is_undone),
         cmocka_unit_test(test_an_ellipse_becomes_the_circle),
+        cmocka_unit_test(test_one_paper_shows_the_zoom),
         cmocka_unit_test(test_drawn_paper),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

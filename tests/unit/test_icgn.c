@@ -184,6 +184,33 @@ static void test_focus_drops_out(void **state)
     check_near(fit.motion.angle, 1 * degree, 5e-5);
 }
 
+/* What a change of focus leaves looks like noise of twice the size, but moves nothing: 160 trials, scatter of the
+ * figure sqrt(2 / 480) / 2 = 0.032; 4 sigma and 10 %. */
+static void test_stated_error_out_of_focus(void **state)
+{
+    (void)state;
+    double sum = 0;
+    const int count = 160;
+    for (int k = 0; k < count; k++) {
+        struct motion truth = {0.31 * (k % 3), 0.23 * (k % 4), 2 * degree};
+        struct trial trial = {.sigma = DOTS_NORMAL,
+                              .radius = 24,
+                              .gain = 1,
+                              .noise = 0.01,
+                              .blur = 0.7,
+                              .truth = truth,
+                              .start = {truth.u + 0.2, truth.v - 0.2, truth.angle},
+                              .key = (uint64_t)(70000 + k)};
+        struct fit fit = run(&trial);
+        assert_true(fit.converged);
+        sum += pow(fit.motion.u - truth.u, 2) / fit.covariance[0][0] +
+               pow(fit.motion.v - truth.v, 2) / fit.covariance[1][1] +
+               pow(fit.motion.angle - truth.angle, 2) / fit.covariance[2][2];
+    }
+    print_message("error / stated %.3f\n", sqrt(sum / (3 * count)));
+    check_near(sqrt(sum / (3 * count)), 1, 0.1 + 4 * 0.032);
+}
+
 static void test_flat_subset_is_not_usable(void **state)
 {
     (void)state;
@@ -212,6 +239,7 @@ int main(void)
         cmocka_unit_test(test_scatter_is_the_stated_error),
         cmocka_unit_test(test_every_machine_gives_the_same),
         cmocka_unit_test(test_focus_drops_out),
+        cmocka_unit_test(test_stated_error_out_of_focus),
         cmocka_unit_test(test_flat_subset_is_not_usable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

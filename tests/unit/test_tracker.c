@@ -32,6 +32,37 @@ static void test_every_grain_is_followed(void **state)
     packing_free(&packing);
 }
 
+/* 3 % noise and small subsets: half a degree is within four standard errors, and the flag says so. */
+static void test_vague_grains_are_named(void **state)
+{
+    (void)state;
+    struct packing packing;
+    packing_make(&packing, 17);
+    struct photo reference = packing_photo(&packing, 0.03, 1);
+    struct photo_grains grains = packing_grains(&packing);
+    struct tracker_options options = TRACKER_DEFAULT;
+    packing_move(&packing, 0.6, -0.4, 0.8, 1.5 * degree, 2);
+    struct photo photo = packing_photo(&packing, 0.03, 2);
+    for (int small = 0; small < 2; small++) {
+        struct tracks tracks = {0};
+        int vague = 0;
+        options.subset = small ? 10 / radius : 0.95;
+        check_done(track_grains(&reference, &grains, &photo, NULL, &options, &tracks));
+        for (int k = 0; k < COUNT; k++) {
+            vague += (tracks.grains.flags[k] & GRAIN_VAGUE) != 0;
+            if (!(tracks.grains.flags[k] & GRAIN_LOST))
+                assert_int_equal((tracks.grains.flags[k] & GRAIN_VAGUE) != 0,
+                                 tracks.grains.s_angle[k] > 0.125 * degree);
+        }
+        assert_true(small ? vague > COUNT / 2 : vague == 0);
+        tracks_free(&tracks);
+    }
+    table_free(&PHOTO_GRAINS, &grains);
+    free(photo.pixels);
+    free(reference.pixels);
+    packing_free(&packing);
+}
+
 static void test_the_reference_has_not_moved(void **state)
 {
     (void)state;
@@ -247,6 +278,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_grain_is_followed),
+        cmocka_unit_test(test_vague_grains_are_named),
         cmocka_unit_test(test_the_reference_has_not_moved),
         cmocka_unit_test(test_far_grains_are_found_and_predicted),
         cmocka_unit_test(test_a_replaced_grain_is_lost_and_found_again),
