@@ -14,9 +14,9 @@ enum { KEY_GRAINS = 0x100, KEY_REFERENCE, KEY_PREVIOUS };
 
 static const struct argp_option option_list[] = {
     {"grains", KEY_GRAINS, "FILE", 0,
-     "Grains of the reference photo: from findgrains, or grains.txt, dic_out or CONF of the original programs", 0},
+     "Grains of the reference photo: from findgrains, or grains.txt or dic_out of the original programs", 0},
     {"reference", KEY_REFERENCE, "FILE", 0, "The reference photo (.tif); every photo is compared with it", 0},
-    {"previous", KEY_PREVIOUS, "FILE", 0, "Tracks (or dic_out, CONF) of the photo before: where to look first", 0},
+    {"previous", KEY_PREVIOUS, "FILE", 0, "Tracks (or dic_out) of the photo before: where to look first", 0},
     {0}};
 
 static error_t parse(int key, char *argument, struct argp_state *state)

@@ -9,13 +9,13 @@
 #include "pipeline/error.h"
 #include "pipeline/number.h"
 
-enum { COLUMNS_MAX = 13, CONF_LONG = 6, SHORT = 4, ROWS_MAX = 10000000 };
+enum { DIC = 13, CIRCLES = 4, COLUMNS_MAX = DIC, ROWS_MAX = 10000000 };
 
 struct text {
     const char *path;
     size_t rows;
     int columns; /* 0 before the first row */
-    int conf;    /* a #CORNERS line follows the rows, or there are six columns */
+    int conf;    /* a #CORNERS line follows the rows */
     double *values;
 };
 
@@ -49,11 +49,9 @@ static int parse_line(char *line, double values[COLUMNS_MAX])
 
 static int first_row(struct text *text, int columns)
 {
-    if (columns != SHORT && columns != CONF_LONG && columns != COLUMNS_MAX)
-        return error_input("%s: rows of %d numbers: grains.txt and CONF have 4 or 6, dic_out has 13", text->path,
-                           columns);
+    if (columns != CIRCLES && columns != DIC)
+        return error_input("%s: rows of %d numbers: grains.txt has 4, dic_out has 13", text->path, columns);
     text->columns = columns;
-    text->conf = columns == CONF_LONG;
     text->values = calloc(text->rows, (size_t)columns * sizeof *text->values);
     return text->values ? 0 : error_memory("a text file");
 }
@@ -62,8 +60,8 @@ static int read_count(struct text *text, char *line, double values[COLUMNS_MAX])
 {
     int count = parse_line(line, values);
     if (count != 1 || !(values[0] >= 1 && values[0] <= ROWS_MAX && values[0] == floor(values[0])))
-        return error_input("%s: does not begin with the number of grains: give a state file (.hdf), or grains.txt, "
-                           "dic_out or CONF",
+        return error_input("%s: does not begin with the number of grains: give a state file (.hdf), grains.txt or "
+                           "dic_out",
                            text->path);
     text->rows = (size_t)values[0];
     return 0;
@@ -103,7 +101,7 @@ static int read_lines(FILE *file, struct text *text)
     return status;
 }
 
-static int text_read(const char *path, const struct scene *scene, struct text *text)
+static int text_read(const char *path, struct text *text)
 {
     *text = (struct text){.path = path};
     FILE *file = fopen(path, "r");
@@ -111,8 +109,8 @@ static int text_read(const char *path, const struct scene *scene, struct text *t
         return error_input("%s: %s: check the path", path, strerror(errno));
     int status = read_lines(file, text);
     fclose(file);
-    if (!status && text->conf && !(scene->scale > 0))
-        status = error_input("%s: is in metres: give the scene a \"scale_m_per_px\"", path);
+    if (!status && text->conf)
+        status = error_input("%s: is a CONF file, in metres: give grains.txt or dic_out, in px", path);
     return status;
 }
 
@@ -121,30 +119,18 @@ static const double *row_of(const struct text *text, size_t k)
     return text->values + k * (size_t)text->columns;
 }
 
-static double radius_of(const struct text *text, const struct scene *scene, const double *row)
-{
-    return text->columns == CONF_LONG ? row[2] / scene->scale : row[3];
-}
-
-static struct vec place_of(const struct text *text, const struct scene *scene, const double *row)
-{
-    if (!text->conf)
-        return vec(row[0], row[1]);
-    return scene_pixels(scene, vec(row[0], row[1]));
-}
-
-int original_read_grains(const char *path, const struct scene *scene, struct photo_grains *grains)
+int original_read_grains(const char *path, struct photo_grains *grains)
 {
     static const char *const names[] = {"x_px", "y_px", "radius_px", "flags", NULL};
     struct text text;
-    int status = text_read(path, scene, &text);
+    int status = text_read(path, &text);
     if (!status)
         status = table_alloc(&PHOTO_GRAINS, grains, text.rows, names);
     for (size_t k = 0; !status && k < text.rows; k++) {
-        struct vec place = place_of(&text, scene, row_of(&text, k));
-        grains->x_px[k] = place.x;
-        grains->y_px[k] = place.y;
-        grains->radius_px[k] = radius_of(&text, scene, row_of(&text, k));
+        const double *row = row_of(&text, k);
+        grains->x_px[k] = row[0];
+        grains->y_px[k] = row[1];
+        grains->radius_px[k] = row[3];
     }
     free(text.values);
     return status;
@@ -162,34 +148,22 @@ static void take_dic(const double *row, const struct photo_grains *reference, si
     previous->dangle[k] = row[9];
 }
 
-static void take_conf(const struct text *text, const struct scene *scene, size_t k, struct photo_grains *previous)
-{
-    const double *row = row_of(text, k);
-    struct vec place = place_of(text, scene, row);
-    previous->x_seen_px[k] = place.x;
-    previous->y_seen_px[k] = place.y;
-    previous->angle_seen[k] = text->columns == CONF_LONG ? row[3] : row[2];
-}
-
-int original_read_motion(const char *path, const struct scene *scene, const struct photo_grains *reference,
+int original_read_motion(const char *path, int corrected, const struct photo_grains *reference,
                          struct photo_grains *previous)
 {
     static const char *const names[] = {"x_px",       "y_px",  "angle", "x_seen_px", "y_seen_px",
                                         "angle_seen", "dx_px", "dy_px", "dangle",    NULL};
     struct text text;
-    int status = text_read(path, scene, &text), corrected = scene->lens || scene->drift_patch_count;
-    if (!status && text.columns == SHORT && !text.conf)
-        status = error_input("%s: has no motions: give tracks, dic_out or CONF", path);
+    int status = text_read(path, &text);
+    if (!status && text.columns == CIRCLES)
+        status = error_input("%s: has no motions: give tracks or dic_out", path);
     if (!status && text.rows != reference->count)
         status = error_input("%s: %zu grains, the reference has %zu: give a file of the same grains", path, text.rows,
                              reference->count);
     if (!status)
         status = table_alloc(&PHOTO_GRAINS, previous, text.rows, names);
     for (size_t k = 0; !status && k < text.rows; k++) {
-        if (text.conf)
-            take_conf(&text, scene, k, previous);
-        else
-            take_dic(row_of(&text, k), reference, k, previous);
+        take_dic(row_of(&text, k), reference, k, previous);
         if (corrected) /* these files know nothing of lens and camera: no motion since that photo */
             continue;
         previous->x_px[k] = previous->x_seen_px[k];

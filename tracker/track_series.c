@@ -60,13 +60,14 @@ static int series_open(struct series *series)
     series->parameters = tracker_options_print(&series->options);
     int text = original_is_text(paths->grains);
     if (!series->parameters ||
-        (text ? original_read_grains(paths->grains, series->scene, &series->grains)
+        (text ? original_read_grains(paths->grains, &series->grains)
               : read_grains(paths->grains, "seen", circle, &series->grains)) ||
         photo_read(paths->reference, &request, &series->reference))
         return -1;
     if (paths->previous) {
         text = original_is_text(paths->previous);
-        if (text ? original_read_motion(paths->previous, series->scene, &series->grains, &series->previous)
+        if (text ? original_read_motion(paths->previous, series->scene->lens || series->scene->drift_patch_count,
+                                        &series->grains, &series->previous)
                  : read_grains(paths->previous, "corrected", motion, &series->previous))
             return -1;
         if (series->previous.count != series->grains.count)

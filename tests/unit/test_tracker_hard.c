@@ -11,7 +11,6 @@ static int right_or_flagged(const struct photo_grains *tracks, const struct pack
             flagged++;
             continue;
         }
-        if(getenv("VB")&&(fabs(tracks->x_px[k]- packing->x[k] - truth->u)>5 * tracks->s_x[k] + 0.005||fabs(tracks->y_px[k]- packing->y[k] - truth->v)>5 * tracks->s_y[k] + 0.005)){printf("%d %g %g s %g %g zncc %g it %g flags %x\n",k,tracks->x_px[k]- packing->x[k] - truth->u,tracks->y_px[k]- packing->y[k] - truth->v,tracks->s_x[k],tracks->s_y[k],tracks->zncc[k],(double)tracks->iterations[k],tracks->flags[k]);continue;}
         check_near(tracks->x_px[k], packing->x[k] + truth->u, 5 * tracks->s_x[k] + 0.005);
         check_near(tracks->y_px[k], packing->y[k] + truth->v, 5 * tracks->s_y[k] + 0.005);
         check_near(remainder(tracks->angle[k] - truth->angle, 360 * degree), 0, 5 * tracks->s_angle[k] + 3e-4);
