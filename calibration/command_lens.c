@@ -2,6 +2,7 @@
 #include <errno.h>
 
 #include "calibration/commands.h"
+#include "calibration/lens_picture.h"
 #include "calibration/lens_plate.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -9,17 +10,18 @@
 struct options {
     struct cli cli;
     struct cli_inputs photos;
-    const char *reference;
+    const char *reference, *picture;
     struct plate_options plate;
 };
 
-enum { KEY_REFERENCE = 0x100, KEY_RADIUS, KEY_SEARCH, KEY_TURN };
+enum { KEY_REFERENCE = 0x100, KEY_RADIUS, KEY_SEARCH, KEY_TURN, KEY_PICTURE };
 
 static const struct argp_option option_list[] = {
     {"reference", KEY_REFERENCE, "FILE", 0, "Photo of the plate that the others are compared with", 0},
     {"radius", KEY_RADIUS, "PX", 0, "Radius of the discs that are followed (default: a sixtieth of the photo)", 0},
     {"search-px", KEY_SEARCH, "PX", 0, "How far the plate may have moved (default 400)", 0},
     {"search-deg", KEY_TURN, "DEG", 0, "How far it may have turned (default 30)", 0},
+    {"picture", KEY_PICTURE, "FILE", 0, "Write what is corrected and what is left as arrows (.svg)", 0},
     {0}};
 
 static const char documentation[] =
@@ -49,6 +51,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case KEY_TURN:
         options->plate.search_deg = cli_number(state, "--search-deg", argument, 0, 180);
+        return 0;
+    case KEY_PICTURE:
+        options->picture = argument;
         return 0;
     case ARGP_KEY_ARG:
         return cli_inputs_add(&options->photos, argument) ? ENOMEM : 0;
@@ -96,6 +101,8 @@ static int run(const struct options *options)
         status = lens_fit(&plate.points, &fitted);
     if (!status)
         status = calibration_write(options->cli.output, describe(&fitted, &plate.points));
+    if (!status && options->picture)
+        status = lens_picture(options->picture, &plate.points, &fitted);
     plate_free(&plate);
     return status;
 }

@@ -4,7 +4,9 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "calibration/lens_picture.h"
 #include "calibration/lens_plate.h"
 #include "calibration/scale.h"
 #include "pipeline/error.h"
@@ -161,6 +163,25 @@ static void test_drawn_plate(void **state)
     assert_true(before > 0.5);
     check_at_most(rms, 0.01);
     check_at_most(rms, 4 * fitted.s_map);
+    /* The residuals are those of the fit, and the picture shows each of them. */
+    double square = 0;
+    for (size_t m = 0; m < plate.points.photos * plate.points.count; m++)
+        if (!isnan(plate.sigma[m])) {
+            struct vec left = lens_residual(&plate.points, &fitted, m / plate.points.count, m % plate.points.count);
+            if (vec_norm(left) < 10 * fitted.rms)
+                square += vec_dot(left, left) / 2;
+        }
+    check_near(sqrt(square / (double)fitted.used) / fitted.rms, 1, 0.1);
+    const char *picture = FILM_BINARY_DIR "/lens_plate.svg";
+    check_done(lens_picture(picture, &plate.points, &fitted));
+    FILE *file = fopen(picture, "r");
+    assert_non_null(file);
+    char line[400];
+    size_t arrows = 0;
+    while (fgets(line, sizeof line, file))
+        arrows += strncmp(line, "<circle", 7) == 0;
+    fclose(file);
+    assert_true(arrows > 17 * 13 + plate.points.count / 2 && arrows <= 17 * 13 + plate.points.count);
     plate_free(&plate);
     dots_free(&dots);
 }
