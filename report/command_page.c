@@ -1,7 +1,9 @@
 /* report page: options, read, call, write. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -14,15 +16,19 @@
 struct options {
     struct cli cli;
     struct cli_inputs files;
-    const char *truth;
+    const char *truth, *pictures;
+    int format;
     int maps;
 };
 
-enum { KEY_TRUTH = 0x2000, KEY_MAPS };
+enum { KEY_TRUTH = 0x2000, KEY_MAPS, KEY_PICTURES, KEY_FORMAT };
+static const char *const formats[] = {"svg", "pdf", "png", NULL};
 
 static const struct argp_option option_list[] = {
     {"truth", KEY_TRUTH, "DIR", 0, "Compare with DIR/NAME.truth.hdf and DIR/NAME.photo-truth.hdf (virtual tests)", 0},
     {"maps", KEY_MAPS, "N", 0, "Draw force maps of N states at most, spread over the series (default 6)", 0},
+    {"pictures", KEY_PICTURES, "DIR", 0, "Also write every curve, rose and map of the page as a file into DIR", 0},
+    {"format", KEY_FORMAT, "svg|pdf|png", 0, "Their format (default svg)", 0},
     {0}};
 
 static const char documentation[] =
@@ -47,6 +53,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case KEY_MAPS:
         options->maps = (int)cli_number(state, "--maps", argument, 0, 10000);
         return 0;
+    case KEY_PICTURES:
+        options->pictures = argument;
+        return 0;
+    case KEY_FORMAT:
+        options->format = cli_choice(state, "--format", argument, formats);
+        return 0;
     case ARGP_KEY_ARG:
         return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
     case ARGP_KEY_NO_ARGS:
@@ -57,16 +69,20 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     }
 }
 
-static int write_page(const struct page *page, const struct series *series, const char *path)
+static int write_page(const struct options *options, const struct page *page, const struct series *series)
 {
     struct html html;
+    if (options->pictures && mkdir(options->pictures, 0777) && errno != EEXIST)
+        return error_failed("%s: %s: name a folder that can be made", options->pictures, strerror(errno));
     if (html_begin(&html))
         return -1;
+    html.pictures = options->pictures;
+    html.extension = formats[options->format];
     int result = page_write(page, series, &html);
     if (html_end(&html) || result)
         result = -1;
     else
-        result = text_file_write(path, html.text, html.length);
+        result = text_file_write(options->cli.output, html.text, html.length);
     html_free(&html);
     return result;
 }
@@ -86,7 +102,7 @@ static int run(const struct options *options)
         page.name = scene.name;
         folder[basename(folder) - folder] = '\0';
         page.folder = folder;
-        result = write_page(&page, &series, options->cli.output);
+        result = write_page(options, &page, &series);
     }
     free(folder);
     series_free(&series);

@@ -8,6 +8,7 @@ int command_page(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_film(int argc, char **argv);
 int command_budget(int argc, char **argv);
+int command_histogram(int argc, char **argv);
 int command_verify(int argc, char **argv);
 
 #endif

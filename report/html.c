@@ -9,7 +9,7 @@
 
 int html_begin(struct html *html)
 {
-    html->text = NULL;
+    memset(html, 0, sizeof *html);
     html->stream = open_memstream(&html->text, &html->length);
     return html->stream ? 0 : error_memory("a page");
 }

@@ -9,9 +9,10 @@ struct html {
     FILE *stream; /* literal HTML goes here */
     char *text;
     size_t length;
+    const char *pictures, *extension; /* folder that gets every picture as a file, too, and its format; NULL: none */
 };
 
-int html_begin(struct html *html);
+int html_begin(struct html *html); /* without a folder for pictures */
 /* Closes the stream; -1 when memory ran out on the way. html->text is then whole. */
 int html_end(struct html *html);
 void html_free(struct html *html); /* accepts a zeroed struct */

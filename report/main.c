@@ -16,6 +16,7 @@ static const struct command {
     {"export", "report export", command_export, "state files as CSV, XYZ, LAMMPS dump, ParaView series, CONF, dic_out"},
     {"film", "report film", command_film, "the force maps of a series as frames in one view"},
     {"budget", "report budget", command_budget, "the error of forces to expect, before going to the lab"},
+    {"histogram", "report histogram", command_histogram, "the grey levels of a photo"},
     {"verify", "report verify", command_verify, "are state files whole, and still made of what lies on the disk?"},
 };
 

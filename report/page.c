@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "pipeline/error.h"
-#include "report/canvas.h"
 #include "report/map.h"
+#include "report/picture.h"
 
 /* Readable on a phone and on paper, without a script or anything from elsewhere. */
 static const char head[] =
@@ -30,23 +30,18 @@ static const char head[] =
     "h2{break-after:avoid}.charts{grid-template-columns:1fr 1fr}img{max-height:12cm}}\n"
     "</style>\n";
 
+static int draw_into(cairo_t *cairo, const void *map)
+{
+    return map_draw(map, cairo);
+}
+
 static int draw_map(const struct packing *packing, const struct forces *forces, const char *title, struct html *html)
 {
     struct map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = NAN};
-    struct canvas canvas;
-    unsigned char *png = NULL;
-    size_t length = 0;
-    if (map_measure(&map) || canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height))
+    if (map_measure(&map))
         return -1;
-    if (map_draw(&map, canvas.cairo)) {
-        canvas_discard(&canvas);
-        return -1;
-    }
-    if (canvas_take(&canvas, &png, &length))
-        return -1;
-    html_picture(html, "image/png", png, length, title);
-    free(png);
-    return 0;
+    struct picture picture = {title, map.width, map.height, draw_into, &map};
+    return picture_put(&picture, CANVAS_PNG, html);
 }
 
 /* One method speaks for a state: the first that converged, else the first. */

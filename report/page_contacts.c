@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/canvas.h"
 #include "report/compare.h"
 #include "report/page.h"
+#include "report/picture.h"
 #include "report/rose.h"
 
 /* ---- persistence (thesis Fig. 4.28) ---- */
@@ -96,25 +96,29 @@ static int distribution_chart(const struct packing *packing, struct html *html)
     return result;
 }
 
-static int rose_picture(const struct packing *packing, const struct forces *forces, struct html *html)
-{
-    const double width = 640, height = 420;
+struct rose {
     double share[ROSE_BINS], mean_fn[ROSE_BINS];
     char title[100];
-    struct canvas canvas;
-    unsigned char *svg = NULL;
-    size_t length = 0;
-    contact_rose(packing, forces, share, mean_fn);
-    snprintf(title, sizeof title, "Contact directions%s%.15s", forces ? ", forces by " : "",
-             forces ? forces->method : "");
-    if (canvas_begin_memory(&canvas, CANVAS_SVG, width, height))
-        return -1;
-    rose_draw(canvas.cairo, width, height, title, share, forces ? mean_fn : NULL);
-    if (canvas_take(&canvas, &svg, &length))
-        return -1;
-    html_picture(html, "image/svg+xml", svg, length, title);
-    free(svg);
+    int with_forces;
+};
+
+static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
+
+static int draw_rose(cairo_t *cairo, const void *what)
+{
+    const struct rose *rose = what;
+    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->with_forces ? rose->mean_fn : NULL);
     return 0;
+}
+
+static int rose_picture(const struct packing *packing, const struct forces *forces, struct html *html)
+{
+    struct rose rose = {.with_forces = forces != NULL};
+    struct picture picture = {rose.title, ROSE_WIDTH, ROSE_HEIGHT, draw_rose, &rose};
+    contact_rose(packing, forces, rose.share, rose.mean_fn);
+    snprintf(rose.title, sizeof rose.title, "Contact directions%s%.15s", forces ? ", forces by " : "",
+             forces ? forces->method : "");
+    return picture_put(&picture, CANVAS_SVG, html);
 }
 
 int page_last_state(const struct series *series, struct html *html)

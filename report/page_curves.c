@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/canvas.h"
 #include "report/chart.h"
 #include "report/page.h"
+#include "report/picture.h"
 
 /* What a curve runs along: the vertical strain where it is known and changes, else time, else the number. */
 struct abscissa {
@@ -51,22 +51,18 @@ static const struct series_row *row_with_most_methods(const struct series *serie
     return most;
 }
 
+static const double WIDTH = 640, HEIGHT = 400;
+
+static int draw_chart(cairo_t *cairo, const void *chart)
+{
+    chart_draw(chart, cairo, WIDTH, HEIGHT);
+    return 0;
+}
+
 int page_chart(const struct chart *chart, struct html *html)
 {
-    const double width = 640, height = 400;
-    struct canvas canvas;
-    unsigned char *svg = NULL;
-    size_t length = 0;
-    if (chart_is_empty(chart))
-        return 0;
-    if (canvas_begin_memory(&canvas, CANVAS_SVG, width, height))
-        return -1;
-    chart_draw(chart, canvas.cairo, width, height);
-    if (canvas_take(&canvas, &svg, &length))
-        return -1;
-    html_picture(html, "image/svg+xml", svg, length, chart->title);
-    free(svg);
-    return 0;
+    struct picture picture = {chart->title, WIDTH, HEIGHT, draw_chart, chart};
+    return chart_is_empty(chart) ? 0 : picture_put(&picture, CANVAS_SVG, html);
 }
 
 /* One line for yy; for xx the same style, dashed. method: NULL: the applied stress. */

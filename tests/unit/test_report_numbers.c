@@ -8,8 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "report/histogram.h"
 #include "report/indeterminacy.h"
 #include "report/page.h"
+#include "report/picture.h"
 #include "report/quantiles.h"
 
 static char folder[] = "/tmp/test_report_numbers.XXXXXX";
@@ -148,10 +150,68 @@ static void test_oedometer(void **unused)
     free(page);
 }
 
+/* A photo with 40 columns of level 1000 and 60 of 40000; a frame that holds the columns 20 to 59 of the rows 10 to 29.
+ */
+static void test_histogram(void **unused)
+{
+    (void)unused;
+    struct photo photo;
+    struct histogram histogram;
+    struct scene scene = {.frame = {.given = 1, .corners_px = {{20, 10}, {59, 10}, {59, 29}, {20, 29}}}};
+    check_done(photo_alloc(&photo, 100, 50));
+    photo.bits = 16;
+    for (int k = 0; k < 100 * 50; k++)
+        photo.pixels[k] = k % 100 < 40 ? 1000 : 40000;
+    histogram_make(&photo, NULL, &histogram);
+    assert_int_equal(histogram.pixels, 5000);
+    check_near(histogram.density[1000 / 256], 0.4, 1e-12);
+    check_near(histogram.density[40000 / 256], 0.6, 1e-12);
+    histogram_make(&photo, &scene, &histogram);
+    assert_int_equal(histogram.pixels, 40 * 20);
+    check_near(histogram.density[1000 / 256], 0.5, 1e-12);
+    photo_free(&photo);
+}
+
+static int draw_dot(cairo_t *cairo, const void *radius)
+{
+    cairo_arc(cairo, 50, 50, *(const double *)radius, 0, 6.2832);
+    cairo_fill(cairo);
+    return 0;
+}
+
+/* A picture is on the page, and in the folder under its title. */
+static void test_pictures(void **unused)
+{
+    (void)unused;
+    static const char *const extensions[] = {"svg", "pdf", "png"}, *const begins[] = {"<?xml", "%PDF", "\211PNG"};
+    const double radius = 20;
+    struct picture picture = {"../A dot: 1 & <two>", 100, 100, draw_dot, &radius};
+    struct html html;
+    for (int k = 0; k < 3; k++) {
+        char path[300], begin[5] = "";
+        check_done(html_begin(&html));
+        html.pictures = folder;
+        html.extension = extensions[k];
+        check_done(picture_put(&picture, CANVAS_SVG, &html));
+        check_done(html_end(&html));
+        assert_non_null(strstr(html.text, "data:image/svg+xml"));
+        html_free(&html);
+        snprintf(path, sizeof path, "%s/A-dot-1-two.%s", folder, extensions[k]);
+        FILE *stream = fopen(path, "rb");
+        assert_non_null(stream);
+        assert_int_equal(fread(begin, 1, 4, stream), 4);
+        fclose(stream);
+        assert_memory_equal(begin, begins[k], 4);
+        unlink(path);
+    }
+    canvas_forget_fonts();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantiles), cmocka_unit_test(test_indeterminacy),
-                                       cmocka_unit_test(test_oedometer)};
+                                       cmocka_unit_test(test_oedometer), cmocka_unit_test(test_histogram),
+                                       cmocka_unit_test(test_pictures)};
     if (!mkdtemp(folder))
         return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
