@@ -10,27 +10,32 @@
 /* A wide belief where overlaps speak: it only keeps forces that nothing else determines from growing. */
 #define PRIOR_MEAN 1
 #define PRIOR_NN 9
+/* Error of a component that is held, in <fn>. */
+#define HELD 1e-6
 
 void evidence_free(struct evidence *evidence)
 {
     free(evidence->prior), free(evidence->variance), free(evidence->measured), free(evidence->slack);
-    free(evidence->place), free(evidence->share), free(evidence->open);
+    free(evidence->place), free(evidence->share);
+    free(evidence->soft), free(evidence->probability);
     memset(evidence, 0, sizeof *evidence);
 }
 
-static int evidence_alloc(size_t count, struct evidence *evidence)
+static int evidence_alloc(size_t count, size_t dofs, struct evidence *evidence)
 {
     memset(evidence, 0, sizeof *evidence);
     evidence->count = count;
+    evidence->dofs = dofs;
     evidence->prior = calloc(2 * count + 1, sizeof(double));
     evidence->variance = calloc(2 * count + 1, sizeof(double));
     evidence->measured = calloc(count + 1, sizeof(double));
     evidence->slack = calloc(count + 1, sizeof(double));
     evidence->place = calloc(count + 1, sizeof *evidence->place);
     evidence->share = calloc(count + 1, sizeof *evidence->share);
-    evidence->open = calloc(count + 1, 1);
+    evidence->soft = calloc(dofs + 1, sizeof(double));
+    evidence->probability = calloc(count + 1, sizeof(double));
     if (evidence->prior && evidence->variance && evidence->measured && evidence->slack && evidence->place &&
-        evidence->share && evidence->open)
+        evidence->share && evidence->soft && evidence->probability)
         return 0;
     evidence_free(evidence);
     return error_memory("overlap errors");
@@ -39,16 +44,19 @@ static int evidence_alloc(size_t count, struct evidence *evidence)
 int evidence_copy(const struct evidence *from, struct evidence *to)
 {
     size_t n = from->count;
-    if (evidence_alloc(n, to))
+    if (evidence_alloc(n, from->dofs, to))
         return -1;
     to->errors = from->errors;
+    to->friction = from->friction;
+    to->barrier = from->barrier;
     memcpy(to->prior, from->prior, 2 * n * sizeof(double));
     memcpy(to->variance, from->variance, 2 * n * sizeof(double));
     memcpy(to->measured, from->measured, n * sizeof(double));
     memcpy(to->slack, from->slack, n * sizeof(double));
     memcpy(to->place, from->place, n * sizeof *to->place);
     memcpy(to->share, from->share, n * sizeof *to->share);
-    memcpy(to->open, from->open, n);
+    memcpy(to->soft, from->soft, from->dofs * sizeof(double));
+    memcpy(to->probability, from->probability, n * sizeof(double));
     return 0;
 }
 
@@ -58,57 +66,71 @@ static double error_of(const double *column, size_t row)
     return isfinite(s) && s > 0 ? s : 0;
 }
 
-/* First error unknown of each grain (x, y, radius), then of each wall (offset); only where there are errors. */
-static int number_errors(const struct packing *packing, struct evidence *evidence, long *grain, long *wall)
+/* Error unknowns of one grain or wall: numbers, -1 where that quantity has no error. */
+struct unknowns {
+    int x, y, radius;
+};
+
+/* The standard error of x of a grain: of its reference and of its motion. */
+static double error_x(const struct grains *g, size_t k)
 {
-    const struct grains *g = &packing->grains;
-    int known = g->s_x || g->s_x_ref || g->s_radius || packing->walls.s_offset;
-    long next = 0;
-    for (size_t k = 0; k < g->count; k++, next += known ? 3 : 0)
-        grain[k] = known ? next : -1;
-    for (size_t w = 0; w < packing->walls.count; w++)
-        wall[w] = error_of(packing->walls.s_offset, w) > 0 ? next++ : -1;
-    evidence->errors = (size_t)next;
-    return 0;
+    return hypot(error_of(g->s_x, k), error_of(g->s_x_ref, k));
 }
 
-static void add_share(struct evidence *evidence, size_t c, int *at, long place, double share)
+static double error_y(const struct grains *g, size_t k)
 {
-    evidence->place[c][*at] = (int)place;
+    return hypot(error_of(g->s_y, k), error_of(g->s_y_ref, k));
+}
+
+/* Numbers for each grain (place, radius), then for each wall (its offset, as radius); only where there are errors, as
+ * each costs a row of the system. */
+static void number_errors(const struct packing *packing, struct evidence *evidence, struct unknowns *body)
+{
+    const struct grains *g = &packing->grains;
+    int next = 0;
+    for (size_t k = 0; k < g->count; k++) {
+        body[k].x = error_x(g, k) > 0 ? next++ : -1;
+        body[k].y = error_y(g, k) > 0 ? next++ : -1;
+        body[k].radius = error_of(g->s_radius, k) > 0 ? next++ : -1;
+    }
+    for (size_t w = 0; w < packing->walls.count; w++)
+        body[g->count + w] = (struct unknowns){-1, -1, error_of(packing->walls.s_offset, w) > 0 ? next++ : -1};
+    evidence->errors = (size_t)next;
+}
+
+static void add_share(struct evidence *evidence, size_t c, int *at, int place, double share)
+{
+    if (place < 0)
+        return;
+    evidence->place[c][*at] = place;
     evidence->share[c][*at] = share;
     ++*at;
 }
 
 /* The overlap grows by n . e for grain i, by -n . e for j, and by the errors of both radii (sign 1: i, -1: j). */
-static void add_grain(const struct packing *packing, size_t row, size_t k, double sign, double stiffness, long place,
-                      struct evidence *evidence, size_t c, int *at)
+static void add_grain(const struct packing *packing, size_t row, size_t k, double sign, double stiffness,
+                      const struct unknowns *body, struct evidence *evidence, size_t c, int *at)
 {
     const struct grains *g = &packing->grains;
-    double sx = hypot(error_of(g->s_x, k), error_of(g->s_x_ref, k));
-    double sy = hypot(error_of(g->s_y, k), error_of(g->s_y_ref, k));
-    if (place < 0)
-        return;
-    add_share(evidence, c, at, place, sign * stiffness * packing->contacts.nx[row] * sx);
-    add_share(evidence, c, at, place + 1, sign * stiffness * packing->contacts.ny[row] * sy);
-    add_share(evidence, c, at, place + 2, stiffness * error_of(g->s_radius, k));
+    const struct contacts *contacts = &packing->contacts;
+    add_share(evidence, c, at, body[k].x, sign * stiffness * contacts->nx[row] * error_x(g, k));
+    add_share(evidence, c, at, body[k].y, sign * stiffness * contacts->ny[row] * error_y(g, k));
+    add_share(evidence, c, at, body[k].radius, stiffness * error_of(g->s_radius, k));
 }
 
 static void fill_shares(const struct packing *packing, const struct network *network, double stiffness,
-                        const long *grain, const long *wall, struct evidence *evidence)
+                        const struct unknowns *body, struct evidence *evidence)
 {
     for (size_t c = 0; c < network->count; c++) {
-        size_t row = network->contact[c].row, i = (size_t)packing->contacts.i[row], w;
+        size_t row = network->contact[c].row, w;
         double variance = 0;
         int at = 0;
-        for (int k = 0; k < EVIDENCE_WIDTH; k++)
-            evidence->place[c][k] = -1;
-        add_grain(packing, row, i, 1, stiffness, grain[i], evidence, c, &at);
-        if (!packing_is_wall(packing, row, &w)) {
-            size_t j = (size_t)packing->contacts.j[row];
-            add_grain(packing, row, j, -1, stiffness, grain[j], evidence, c, &at);
-        } else if (wall[w] >= 0) {
-            add_share(evidence, c, &at, wall[w], stiffness * error_of(packing->walls.s_offset, w));
-        }
+        add_grain(packing, row, (size_t)packing->contacts.i[row], 1, stiffness, body, evidence, c, &at);
+        if (packing_is_wall(packing, row, &w))
+            add_share(evidence, c, &at, body[packing->grains.count + w].radius,
+                      stiffness * error_of(packing->walls.s_offset, w));
+        else
+            add_grain(packing, row, (size_t)packing->contacts.j[row], -1, stiffness, body, evidence, c, &at);
         for (int k = 0; k < at; k++)
             variance += evidence->share[c][k] * evidence->share[c][k];
         double whole = stiffness * error_of(packing->contacts.s_overlap, row);
@@ -151,17 +173,58 @@ static int fill_overlaps(const struct packing *packing, const struct network *ne
                          const struct force_options *options, struct evidence *evidence)
 {
     double stiffness = stiffness_in_units(packing, network, options);
-    long *grain = malloc((packing->grains.count + 1) * sizeof *grain);
-    long *wall = malloc((packing->walls.count + 1) * sizeof *wall);
-    int status = -1;
-    if (!grain || !wall) {
-        status = error_memory("overlap errors");
-    } else if (!fill_measured(packing, network, stiffness, evidence)) {
-        status = number_errors(packing, evidence, grain, wall);
-        fill_shares(packing, network, stiffness, grain, wall, evidence);
+    struct unknowns *body = malloc((packing->grains.count + packing->walls.count + 1) * sizeof *body);
+    if (!body)
+        return error_memory("overlap errors");
+    int status = fill_measured(packing, network, stiffness, evidence);
+    if (!status) {
+        number_errors(packing, evidence, body);
+        fill_shares(packing, network, stiffness, body, evidence);
     }
-    free(grain), free(wall);
+    free(body);
     return status;
+}
+
+/* The probability that a contact is closed: as in the file; without that column from the overlap and its error for
+ * candidates, and 1 for contacts. */
+static double closed(const struct packing *packing, size_t row)
+{
+    const struct contacts *c = &packing->contacts;
+    if (c->probability && c->probability[row] >= 0 && c->probability[row] <= 1)
+        return c->probability[row];
+    if (!c->flags || !(c->flags[row] & CONTACT_CANDIDATE) || !c->overlap || !(error_of(c->s_overlap, row) > 0))
+        return 1;
+    return 0.5 * erfc(-c->overlap[row] / (c->s_overlap[row] * sqrt(2)));
+}
+
+/* A contact of the file that cannot be used (its numbers are missing) may carry a force all the same: its grains get an
+ * unknown load. An exponentially spread force of mean <fn> has <fn^2> = 2 <fn>^2, half of it along each axis; its
+ * moment is at most mu times that. */
+static void doubt_neighbours(const struct packing *packing, const struct network *network, struct evidence *evidence)
+{
+    const struct contacts *contacts = &packing->contacts;
+    for (size_t c = 0; c < contacts->count && contacts->flags; c++) {
+        size_t ends[2] = {(size_t)contacts->i[c], (size_t)contacts->j[c]};
+        if (!(contacts->flags[c] & CONTACT_NOT_FINITE) || contacts->i[c] < 0 || contacts->j[c] < 0)
+            continue;
+        for (int e = 0; e < 2; e++)
+            for (int d = 0; d < 3 && ends[e] < network->grains && network->grain_dof[ends[e]] >= 0; d++)
+                evidence->soft[network->grain_dof[ends[e]] + d] = 1;
+    }
+}
+
+/* Held components of the start: known all but exactly, and no overlap says otherwise. */
+static void hold(const struct network *network, const struct force_options *options, const double *f,
+                 struct evidence *evidence)
+{
+    int part = options->fix == FIX_TANGENTIAL;
+    for (size_t c = 0; c < network->count && options->fix != FIX_NONE; c++) {
+        evidence->prior[2 * c + part] = f[2 * c + part];
+        evidence->variance[2 * c + part] = HELD * HELD;
+        if (options->fix == FIX_NORMAL)
+            evidence->measured[c] = NAN;
+    }
+    evidence->friction &= options->fix != FIX_TANGENTIAL;
 }
 
 int evidence_build(const struct packing *packing, const struct network *network, const struct force_options *options,
@@ -169,8 +232,10 @@ int evidence_build(const struct packing *packing, const struct network *network,
 {
     enum force_start start = options->start;
     int overlaps = packing->contacts.overlap && (start == START_OVERLAP || start == START_DEFAULT);
-    if (evidence_alloc(network->count, evidence))
+    if (evidence_alloc(network->count, network->dofs, evidence))
         return -1;
+    evidence->friction = overlaps;
+    evidence->barrier = overlaps || start == START_ZERO || start == START_DEFAULT;
     for (size_t c = 0; c < network->count; c++) {
         double mu = network->contact[c].mu;
         evidence->prior[2 * c] = overlaps || start == START_ZERO ? PRIOR_MEAN : f[2 * c];
@@ -178,12 +243,16 @@ int evidence_build(const struct packing *packing, const struct network *network,
         evidence->variance[2 * c] = overlaps ? PRIOR_NN : 1;
         /* exponentially spread fn: <fn^2> = 2 <fn>^2; ft on the edge of its cone, else evenly spread over it */
         evidence->variance[2 * c + 1] = fmax(1e-8, (overlaps ? 2 : 2.0 / 3) * fmin(1, mu * mu));
+        evidence->probability[c] = closed(packing, network->contact[c].row);
         evidence->measured[c] = NAN;
         for (int k = 0; k < EVIDENCE_WIDTH; k++)
             evidence->place[c][k] = -1;
     }
-    if (!overlaps || !fill_overlaps(packing, network, options, evidence))
-        return 0;
-    evidence_free(evidence);
-    return -1;
+    doubt_neighbours(packing, network, evidence);
+    if (overlaps && fill_overlaps(packing, network, options, evidence)) {
+        evidence_free(evidence);
+        return -1;
+    }
+    hold(network, options, f, evidence);
+    return 0;
 }

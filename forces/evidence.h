@@ -12,14 +12,17 @@
 enum { EVIDENCE_WIDTH = 6 }; /* x, y, radius of two grains, or of a grain and the offset of a wall */
 
 struct evidence {
-    size_t count;
+    size_t count, dofs;
     double *prior, *variance;        /* 2 per contact */
     double *measured;                /* m; NaN: none */
     double *slack;                   /* variance of r */
     size_t errors;                   /* standardised error unknowns, each N(0, 1) */
     int (*place)[EVIDENCE_WIDTH];    /* -1: none */
     double (*share)[EVIDENCE_WIDTH]; /* B times the standard error of that unknown */
-    unsigned char *open;             /* taken out: no force, no cost */
+    double *probability;             /* that the contact is closed */
+    int friction;                    /* nothing is known of ft but Coulomb's law */
+    int barrier;                     /* the mean of the posterior is sought; 0: the forces nearest to the start */
+    double *soft;                    /* per degree of freedom: variance of an unknown load (a partner was missed) */
 };
 
 /* Evidence of the packing's overlaps; with options->start zero or mean there are none. A start that is not made of

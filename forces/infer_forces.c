@@ -8,6 +8,8 @@
 #include "pipeline/error.h"
 #include "pipeline/stress.h"
 
+#define MAP_MARGIN 0.01 /* no contact law is better known: LEAST_SLACK of evidence.c */
+
 const char *const FORCE_METHODS[] = {"cem", "cdm", "qsm", "map", NULL};
 const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
 const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
@@ -83,15 +85,19 @@ static int judge(const struct packing *packing, const struct network *network, c
     return 0;
 }
 
-static uint32_t status_of(double mu, double fn, double ft)
+/* `margin`: how near to the corner (in <fn>) and to the edges (as a share) of its cone a contact counts as open or
+ * slipping: map's forces are means over what is possible, which lie inside. */
+static uint32_t status_of(double mu, double fn, double ft, double margin)
 {
-    if (fn <= 0)
+    if (fn <= margin)
         return STATUS_OPEN;
-    return mu > 0 && fabs(ft) >= mu * fn * (1 - 1e-9) ? STATUS_SLIP : STATUS_STICK;
+    return mu > 0 && fabs(ft) >= mu * fn * (1 - fmax(1e-9, margin)) ? STATUS_SLIP : STATUS_STICK;
 }
 
-static void store_contacts(const struct network *network, const double *f, struct contact_forces *out)
+static void store_contacts(const struct network *network, enum force_method method, const double *f,
+                           struct contact_forces *out)
 {
+    double margin = method == METHOD_MAP ? MAP_MARGIN : 0;
     for (size_t c = 0; c < out->count; c++) {
         out->fn[c] = out->ft[c] = 0;
         out->status[c] = STATUS_NOT_USED;
@@ -100,7 +106,7 @@ static void store_contacts(const struct network *network, const double *f, struc
         size_t row = network->contact[c].row;
         out->fn[row] = f[2 * c] * network->force;
         out->ft[row] = f[2 * c + 1] * network->force;
-        out->status[row] = status_of(network->contact[c].mu, f[2 * c], f[2 * c + 1]);
+        out->status[row] = status_of(network->contact[c].mu, f[2 * c], f[2 * c + 1], margin);
     }
 }
 
@@ -152,7 +158,7 @@ static int store(const struct packing *packing, const struct network *network, c
     if (table_alloc(&CONTACT_FORCES, &forces->contact, packing->contacts.count, contact_names) ||
         table_alloc(&RESIDUALS, &forces->residual, packing->grains.count, NULL))
         return -1;
-    store_contacts(network, f, &forces->contact);
+    store_contacts(network, method, f, &forces->contact);
     store_residuals(packing, network, unbalance, &forces->residual);
     forces->iterations = outcome->iterations;
     forces->converged = outcome->converged;

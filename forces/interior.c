@@ -1,6 +1,7 @@
 /* Interior point for map. The cones become mu fn - ft = s1 >= 0 and mu fn + ft = s2 >= 0 (fn = s1 where there is no
- * friction) with multipliers q; each step solves the same sparse system as semismooth Newton, the 2 x 2 compliance of a
- * contact being (W + G' diag(q / s) G)^-1. The number of steps hardly depends on the problem. */
+ * friction) with multipliers q; it ends where s q = weight for every edge, so that the barrier -weight log s is part of
+ * the objective. Each step solves one sparse system, the 2 x 2 compliance of a contact being
+ * (W + G' diag(q / s) G)^-1. The number of steps hardly depends on the problem. */
 #include "forces/map.h"
 
 #include <stdlib.h>
@@ -8,29 +9,13 @@
 
 #include "pipeline/error.h"
 
-enum { INTERIOR_STEPS = 120, INTERIOR_PATIENCE = 12 /* steps in which the imbalance must halve */ };
-#define INTERIOR_BALANCE 1e-9 /* in <fn> */
-#define INTERIOR_GAP 1e-8     /* mean of s q */
-#define INTERIOR_FIRST_GAP 10 /* the same at the start: about that of overlaps wrong by a few <fn> */
-#define INTERIOR_SHIFT 1e-10  /* times the gap, on the diagonal only (proximal): pivots of mechanisms */
+enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve */ };
+#define INTERIOR_STALL 1e-3   /* while it is larger than this, in <fn> */
+#define INTERIOR_BALANCE 0.1  /* of the tolerance */
+#define INTERIOR_DATA 1e-6    /* in <fn>, and in 1 / <fn> for the multipliers */
+#define INTERIOR_OFF 1e-2     /* how well s q is its weight, as a share of it */
+#define INTERIOR_FIRST_GAP 10 /* s q at the start: about that of overlaps wrong by a few <fn> */
 #define BOUNDARY 0.995        /* share of the way to the boundary that a step may go */
-
-struct interior {
-    struct map *map;
-    double softness;
-    double (*s)[2], (*q)[2];   /* slacks and multipliers */
-    double (*ds)[2], (*dq)[2]; /* their steps */
-    double (*target)[2];       /* what s q should become, less s q */
-    double (*compliance)[3];   /* in edge coordinates: ds = compliance (what y, l and targets push) */
-    double (*push_s)[2];       /* what the targets push, in edge coordinates */
-    double *f, *dual, *push;   /* forces, W (f - f0) - A' y - l - G' q, and push_s as a force */
-    double balance, data, dual_left, gap, length;
-};
-
-static int used(const struct map *map, size_t c)
-{
-    return !map->evidence->open[c];
-}
 
 static int sides(const struct map *map, size_t c)
 {
@@ -64,85 +49,62 @@ static void to_edges_transposed(double mu, double vn, double vt, double out[2])
     out[1] = mu > 0 ? vn / (2 * mu) + vt / 2 : 0;
 }
 
-static void interior_free(struct interior *in)
+/* The mean force, no friction, multipliers that balance the belief. */
+static void cold_start(struct map *map)
 {
-    free(in->s), free(in->q), free(in->ds), free(in->dq), free(in->target);
-    free(in->compliance), free(in->push_s), free(in->f), free(in->dual), free(in->push);
-}
-
-static int interior_begin(struct map *map, struct interior *in)
-{
-    size_t n = map->count + 1;
-    in->s = calloc(n, sizeof *in->s), in->q = calloc(n, sizeof *in->q);
-    in->ds = calloc(n, sizeof *in->ds), in->dq = calloc(n, sizeof *in->dq);
-    in->target = calloc(n, sizeof *in->target);
-    in->compliance = calloc(n, sizeof *in->compliance), in->push_s = calloc(n, sizeof *in->push_s);
-    in->f = calloc(2 * n, sizeof(double));
-    in->dual = calloc(2 * n, sizeof(double)), in->push = calloc(2 * n, sizeof(double));
-    if (!in->s || !in->q || !in->ds || !in->dq || !in->target || !in->compliance || !in->push_s || !in->f ||
-        !in->dual || !in->push)
-        return error_memory("interior point");
-    memset(map->point, 0, (map->dofs + map->count) * sizeof(double));
-    for (size_t c = 0; c < map->count; c++) { /* the mean force, no friction, multipliers that balance the belief */
-        in->f[2 * c] = used(map, c) ? 1 : 0;
-        edges(map->network->contact[c].mu, 1, 0, in->s[c]);
+    memset(map->y, 0, (map->dofs + map->count) * sizeof(double));
+    for (size_t c = 0; c < map->count; c++) {
+        double mu = map->network->contact[c].mu;
+        edges(mu, 1, 0, map->s[c]);
+        from_edges(mu, map->s[c], &map->forces[2 * c]);
         for (int k = 0; k < 2; k++)
-            in->q[c][k] = INTERIOR_FIRST_GAP / in->s[c][k];
+            map->q[c][k] = INTERIOR_FIRST_GAP / map->s[c][k];
     }
-    return 0;
+    map->length = 1;
 }
 
 /* What the present point leaves of each equation. */
-static void residuals(struct interior *in)
+static void residuals(struct map *map)
 {
-    struct map *map = in->map;
     const struct evidence *evidence = map->evidence;
-    const double *y = map->point, *l = map->point + map->dofs;
-    double sum = 0, count = 0;
-    in->data = in->dual_left = in->balance = 0;
-    map_errors(map, l);
-    network_unbalance(map->network, in->f, map->slope);
+    double *balance = map->left, *data = map->left + map->dofs, sum = 0, count = 0;
+    map->data = map->balance = map->off = 0;
+    map_errors(map);
+    network_unbalance(map->network, map->forces, balance);
     for (size_t d = 0; d < map->dofs; d++) {
-        map->slope[d] += in->softness * y[d];
-        in->balance = fmax(in->balance, fabs(map->slope[d]));
+        balance[d] += map->soft[d] * map->y[d];
+        map->balance = fmax(map->balance, fabs(balance[d]));
     }
-    network_motion(map->network, y, map->relative);
+    network_motion(map->network, map->y, map->relative);
     for (size_t c = 0; c < map->count; c++) {
+        const double *f = &map->forces[2 * c], *f0 = &evidence->prior[2 * c], *v = &map->variance[2 * c];
         double pull[2];
-        map->slope[map->dofs + c] = 0;
-        if (!used(map, c))
-            continue;
-        if (map_measured(map, c))
-            map->slope[map->dofs + c] =
-                in->f[2 * c] + map_error_at(map, c) + map->slack[c] * l[c] - evidence->measured[c];
-        in->data = fmax(in->data, fabs(map->slope[map->dofs + c]));
-        edges_transposed(map->network->contact[c].mu, in->q[c], pull);
-        in->dual[2 * c] =
-            (in->f[2 * c] - evidence->prior[2 * c]) / evidence->variance[2 * c] - map->relative[2 * c] - l[c] - pull[0];
-        in->dual[2 * c + 1] = sides(map, c) < 2
-                                  ? 0
-                                  : (in->f[2 * c + 1] - evidence->prior[2 * c + 1]) / evidence->variance[2 * c + 1] -
-                                        map->relative[2 * c + 1] - pull[1];
-        in->dual_left = fmax(in->dual_left, fmax(fabs(in->dual[2 * c]), fabs(in->dual[2 * c + 1])));
-        for (int k = 0; k < sides(map, c); k++)
-            sum += in->s[c][k] * in->q[c][k], count++;
+        data[c] =
+            map_measured(map, c) ? f[0] + map_error_at(map, c) + map->slack[c] * map->l[c] - evidence->measured[c] : 0;
+        map->data = fmax(map->data, fabs(data[c]));
+        edges_transposed(map->network->contact[c].mu, map->q[c], pull);
+        map->dual[2 * c] = (f[0] - f0[0]) / v[0] - map->relative[2 * c] - map->l[c] - pull[0];
+        map->dual[2 * c + 1] = sides(map, c) < 2 ? 0 : (f[1] - f0[1]) / v[1] - map->relative[2 * c + 1] - pull[1];
+        map->data = fmax(map->data, fmax(fabs(map->dual[2 * c]), fabs(map->dual[2 * c + 1])));
+        for (int k = 0; k < sides(map, c); k++, count++) {
+            double product = map->s[c][k] * map->q[c][k];
+            sum += product;
+            map->off = fmax(map->off, fabs(product / map->weight[c] - 1));
+        }
     }
-    in->gap = count > 0 ? sum / count : 0;
+    map->gap = count > 0 ? sum / count : 0;
 }
 
 /* The compliance of each contact in edge coordinates, (G^-T W G^-1 + diag(q / s))^-1, and from it that of (fn, ft). */
-static void compliances(struct interior *in)
+static void compliances(struct map *map)
 {
-    struct map *map = in->map;
     for (size_t c = 0; c < map->count; c++) {
-        const double *v = &map->evidence->variance[2 * c];
-        double mu = map->network->contact[c].mu, *curve = map->curve[c], *d = in->compliance[c];
-        curve[0] = curve[1] = curve[2] = d[0] = d[1] = d[2] = 0;
-        if (!used(map, c))
-            continue;
-        double p = in->q[c][0] / in->s[c][0], m = in->q[c][1] / in->s[c][1];
+        const double *v = &map->variance[2 * c];
+        double mu = map->network->contact[c].mu, *curve = map->curve[c], *d = map->compliance[c];
+        double p = map->q[c][0] / map->s[c][0], m = map->q[c][1] / map->s[c][1];
         if (sides(map, c) < 2) {
             curve[0] = d[0] = 1 / (1 / v[0] + p);
+            curve[1] = curve[2] = d[1] = d[2] = 0;
             continue;
         }
         double wn = 1 / (4 * mu * mu * v[0]), wt = 1 / (4 * v[1]), w = wn + wt;
@@ -154,131 +116,165 @@ static void compliances(struct interior *in)
     }
 }
 
-/* The step towards s q = s q + target. */
-static int solve_step(struct interior *in, int factorise)
+/* What the targets and the dual residual push, as a change of the forces, goes into the equations that are left. */
+static void push(struct map *map)
 {
-    struct map *map = in->map;
-    double *rhs = map->trial; /* what remains, kept for the second solve */
-    memcpy(rhs, map->slope, (map->dofs + map->count) * sizeof(double));
     for (size_t c = 0; c < map->count; c++) {
-        if (!used(map, c)) {
-            in->push[2 * c] = in->push[2 * c + 1] = 0;
-            continue;
-        }
+        const struct network_contact *contact = &map->network->contact[c];
+        const double *d = map->compliance[c];
         double a[2] = {0, 0}, pull[2];
         for (int k = 0; k < sides(map, c); k++)
-            a[k] = in->target[c][k] / in->s[c][k];
-        double mu = map->network->contact[c].mu, *d = in->compliance[c];
-        to_edges_transposed(mu, in->dual[2 * c], in->dual[2 * c + 1], pull);
+            a[k] = map->target[c][k] / map->s[c][k];
+        to_edges_transposed(contact->mu, map->dual[2 * c], map->dual[2 * c + 1], pull);
         a[0] -= pull[0], a[1] -= pull[1];
-        in->push_s[c][0] = d[0] * a[0] + d[1] * a[1];
-        in->push_s[c][1] = d[1] * a[0] + d[2] * a[1];
-        from_edges(mu, in->push_s[c], &in->push[2 * c]);
-        const struct network_contact *contact = &map->network->contact[c];
+        map->push_s[c][0] = d[0] * a[0] + d[1] * a[1];
+        map->push_s[c][1] = d[1] * a[0] + d[2] * a[1];
+        from_edges(contact->mu, map->push_s[c], &map->push[2 * c]);
         for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            map->slope[contact->dof[e]] += contact->n[e] * in->push[2 * c] + contact->t[e] * in->push[2 * c + 1];
+            map->left[contact->dof[e]] += contact->n[e] * map->push[2 * c] + contact->t[e] * map->push[2 * c + 1];
         if (map_measured(map, c))
-            map->slope[map->dofs + c] += in->push[2 * c];
+            map->left[map->dofs + c] += map->push[2 * c];
     }
-    int status = factorise ? map_factorise(map, fmax(in->softness, INTERIOR_SHIFT * fmax(1e-6, fmin(1, in->gap)))) : 0;
-    status = status || map_back_solve(map);
-    memcpy(map->slope, rhs, (map->dofs + map->count) * sizeof(double));
-    return status ? -1 : 0;
 }
 
 /* df, ds, dq from dy, dl. */
-static void follow(struct interior *in)
+static void follow(struct map *map)
 {
-    struct map *map = in->map;
     const double *dl = map->step + map->dofs;
     network_motion(map->network, map->step, map->relative);
     for (size_t c = 0; c < map->count; c++) {
-        if (!used(map, c))
-            continue;
-        const double *d = in->compliance[c];
+        const double *d = map->compliance[c];
         double h[2];
         to_edges_transposed(map->network->contact[c].mu, map->relative[2 * c] + dl[c], map->relative[2 * c + 1], h);
-        in->ds[c][0] = d[0] * h[0] + d[1] * h[1] + in->push_s[c][0];
-        in->ds[c][1] = d[1] * h[0] + d[2] * h[1] + in->push_s[c][1];
+        map->ds[c][0] = d[0] * h[0] + d[1] * h[1] + map->push_s[c][0];
+        map->ds[c][1] = d[1] * h[0] + d[2] * h[1] + map->push_s[c][1];
         for (int k = 0; k < sides(map, c); k++)
-            in->dq[c][k] = (in->target[c][k] - in->q[c][k] * in->ds[c][k]) / in->s[c][k];
+            map->dq[c][k] = (map->target[c][k] - map->q[c][k] * map->ds[c][k]) / map->s[c][k];
     }
 }
 
+/* The step towards s q = s q + target, with the last factor; `keep` holds what is left. */
+static int solve_step(struct map *map, const double *keep)
+{
+    memcpy(map->left, keep, (map->dofs + map->count) * sizeof(double));
+    push(map);
+    if (map_back_solve(map))
+        return -1;
+    follow(map);
+    return 0;
+}
+
 /* How far s and q stay positive along the step. */
-static double longest(const struct interior *in)
+static double longest(const struct map *map)
 {
     double length = 1 / BOUNDARY;
-    for (size_t c = 0; c < in->map->count; c++)
-        for (int k = 0; k < sides(in->map, c) && used(in->map, c); k++) {
-            if (in->ds[c][k] < 0)
-                length = fmin(length, -in->s[c][k] / in->ds[c][k]);
-            if (in->dq[c][k] < 0)
-                length = fmin(length, -in->q[c][k] / in->dq[c][k]);
+    for (size_t c = 0; c < map->count; c++)
+        for (int k = 0; k < sides(map, c); k++) {
+            if (map->ds[c][k] < 0)
+                length = fmin(length, -map->s[c][k] / map->ds[c][k]);
+            if (map->dq[c][k] < 0)
+                length = fmin(length, -map->q[c][k] / map->dq[c][k]);
         }
     return fmin(1, BOUNDARY * length);
 }
 
-/* Mehrotra: the affine step tells how much centring and which second-order correction the real one needs. */
-static int step(struct interior *in)
+static double mean_weight(const struct map *map)
 {
-    struct map *map = in->map;
-    double after = 0, count = 0;
-    compliances(in);
+    double sum = 0, count = 0;
     for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < 2; k++)
-            in->target[c][k] = -in->s[c][k] * in->q[c][k];
-    if (solve_step(in, 1))
-        return -1;
-    follow(in);
-    double length = longest(in);
+        sum += sides(map, c) * map->weight[c], count += sides(map, c);
+    return count > 0 ? sum / count : 0;
+}
+
+/* Targets of the predictor: far away straight to the boundary, near the end to the weights. */
+static void aim(struct map *map, int far)
+{
     for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < sides(map, c) && used(map, c); k++) {
-            after += (in->s[c][k] + length * in->ds[c][k]) * (in->q[c][k] + length * in->dq[c][k]);
-            count++;
-        }
-    double centre = in->gap > 0 && count > 0 ? pow(fmin(1, after / count / in->gap), 3) * in->gap : 0;
-    if (in->length < 0.3) /* the last step was cut short: away from the boundary first */
-        centre = fmax(centre, 0.2 * in->gap);
+        for (int k = 0; k < sides(map, c); k++)
+            map->target[c][k] = (far ? 0 : map->weight[c]) - map->s[c][k] * map->q[c][k];
+}
+
+/* How much centring the predictor shows to be needed. */
+static double centring(const struct map *map, double weight)
+{
+    double length = longest(map), after = 0, count = 0;
     for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < sides(map, c) && used(map, c); k++)
-            in->target[c][k] = centre - in->s[c][k] * in->q[c][k] - in->ds[c][k] * in->dq[c][k];
-    if (solve_step(in, 0))
-        return -1;
-    follow(in);
-    in->length = length = longest(in);
+        for (int k = 0; k < sides(map, c); k++, count++)
+            after += (map->s[c][k] + length * map->ds[c][k]) * (map->q[c][k] + length * map->dq[c][k]);
+    double share = map->gap > 0 && count > 0 ? fmin(1, fabs(after / count - weight) / map->gap) : 0;
+    double centre = pow(share, 3) * map->gap;
+    /* the last step was cut short: away from the boundary first */
+    return map->length < 0.3 ? fmax(centre, 0.2 * map->gap) : centre;
+}
+
+/* Targets of the corrector, with the second-order term of the predictor (share 1) or without (0). */
+static void aim_again(struct map *map, double centre, double share)
+{
+    for (size_t c = 0; c < map->count; c++)
+        for (int k = 0; k < sides(map, c); k++)
+            map->target[c][k] =
+                fmax(centre, map->weight[c]) - map->s[c][k] * map->q[c][k] - share * map->ds[c][k] * map->dq[c][k];
+}
+
+static void move(struct map *map)
+{
+    map->length = longest(map);
     for (size_t d = 0; d < map->dofs + map->count; d++)
-        map->point[d] += length * map->step[d];
+        map->y[d] += map->length * map->step[d];
     for (size_t c = 0; c < map->count; c++) {
-        if (!used(map, c))
-            continue;
-        for (int k = 0; k < sides(map, c); k++)
-            in->s[c][k] += length * in->ds[c][k];
-        from_edges(map->network->contact[c].mu, in->s[c], &in->f[2 * c]);
-        for (int k = 0; k < sides(map, c); k++)
-            in->q[c][k] += length * in->dq[c][k];
+        for (int k = 0; k < sides(map, c); k++) {
+            map->s[c][k] += map->length * map->ds[c][k];
+            map->q[c][k] += map->length * map->dq[c][k];
+        }
+        from_edges(map->network->contact[c].mu, map->s[c], &map->forces[2 * c]);
     }
+}
+
+static int advance(struct map *map, double *keep)
+{
+    double weight = mean_weight(map);
+    int far = map->gap > 2 * weight;
+    memcpy(keep, map->left, (map->dofs + map->count) * sizeof(double));
+    compliances(map);
+    aim(map, far);
+    if (map_factorise(map) || solve_step(map, keep))
+        return -1;
+    double centre = centring(map, far ? 0 : weight), reach = longest(map);
+    aim_again(map, centre, 1);
+    if (solve_step(map, keep))
+        return -1;
+    if (longest(map) < 0.5 * reach) { /* the second-order term misleads */
+        aim_again(map, fmax(centre, 0.2 * map->gap), 0);
+        if (solve_step(map, keep))
+            return -1;
+    }
+    move(map);
     return 0;
 }
 
-int map_interior(struct map *map, double softness, int *iterations)
+int map_interior(struct map *map, int *iterations)
 {
-    struct interior in = {.map = map, .softness = softness, .length = 1};
-    double history[INTERIOR_PATIENCE] = {0};
-    int status = interior_begin(map, &in) ? -1 : 1;
+    double *keep = malloc((map->dofs + map->count + 1) * sizeof *keep);
+    if (!keep)
+        return error_memory("map");
+    if (!map->warm)
+        cold_start(map);
+    int status = 1;
+    double history[INTERIOR_PATIENCE];
     for (int k = 0; status == 1; k++, ++*iterations) {
-        residuals(&in);
-        double before = history[k % INTERIOR_PATIENCE];
-        history[k % INTERIOR_PATIENCE] = in.balance;
-        if (in.balance <= INTERIOR_BALANCE && in.data <= 1e-6 && in.gap <= INTERIOR_GAP)
+        residuals(map);
+        double before = k < INTERIOR_PATIENCE ? INFINITY : history[k % INTERIOR_PATIENCE];
+        history[k % INTERIOR_PATIENCE] = map->balance;
+        if (map->balance <= INTERIOR_BALANCE * map->options->tolerance && map->data <= INTERIOR_DATA &&
+            map->off <= INTERIOR_OFF)
             status = 0;
-        else if (k >= INTERIOR_STEPS || !isfinite(in.gap) ||
-                 (k >= INTERIOR_PATIENCE && in.balance > 1e-7 && in.balance > 0.5 * before))
+        else if (k >= INTERIOR_STEPS || !isfinite(map->gap) ||
+                 (map->balance > INTERIOR_STALL && map->balance > 0.5 * before))
             break;
-        else if (step(&in))
+        else if (advance(map, keep))
             status = -1;
     }
-    memcpy(map->forces, in.f, 2 * map->count * sizeof(double));
-    interior_free(&in);
+    map->warm = status == 0;
+    free(keep);
     return status;
 }

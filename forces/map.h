@@ -1,4 +1,5 @@
-/* Inside of map: the state that its two solvers share (map.c: semismooth Newton, interior.c: interior point). */
+/* Inside of map: one state that its parts share. map.c: the rounds; map_system.c: the linear system of a step;
+ * interior.c: the interior point. */
 #ifndef FORCES_MAP_H
 #define FORCES_MAP_H
 
@@ -10,30 +11,54 @@ enum { MAP_WIDTH = NETWORK_WIDTH + EVIDENCE_WIDTH };
 struct map {
     const struct network *network;
     const struct force_options *options;
-    struct evidence *evidence;
+    const struct evidence *evidence;
     struct sparse *matrix;
-    size_t dofs, count, errors;                         /* sizes of y, l, e */
-    double *point, *step, *trial, *slope, *trial_slope; /* (y, l) and gradients of phi */
-    double *relative;                                   /* A' y */
-    double *forces;                                     /* P(z) */
-    double *error;                                      /* e = B' l */
-    double (*curve)[3];                                 /* V times the derivative of P: nn, nt, tt */
-    double *slack;                                      /* of this round */
-    double *diagonal, *right, *solution;                /* of the system in (y, e) */
+    size_t dofs, count, errors; /* sizes of y, l, e */
+    double *store;              /* all arrays below */
+
+    double *soft;            /* variance of the unknown load on each degree of freedom, in this round */
+    double *slack;           /* variance of r of each contact, in this round */
+    double *variance;        /* of f about the belief, 2 per contact, in this round */
+    double *weight;          /* of the barrier at each contact's edges */
+    double *y, *l;           /* multipliers of equilibrium and overlaps, side by side */
+    double *forces;          /* 2 per contact */
+    double (*s)[2], (*q)[2]; /* distances to the edges of the cone, and their multipliers */
+    int warm;                /* these are a solution of a problem like this one */
+
+    double *error;                       /* e = B' l */
+    double *left, *step, *right, *found; /* what the equations in (y, l) leave; the step; the system in (y, e) */
+    double *relative;                    /* A' y */
+    double *dual;                        /* W (f - f0) - A' y - l - G' q */
+    double *push;                        /* what the targets push, as a force */
+    double (*push_s)[2], (*ds)[2], (*dq)[2], (*target)[2];
+    double (*compliance)[3]; /* in edge coordinates: ds = compliance (what y, l and targets push) */
+    double (*curve)[3];      /* the same for (fn, ft): nn, nt, tt */
+    double *diagonal;
+    double balance, data, gap, off; /* largest left in equilibrium and overlaps; mean s q; largest |s q / weight - 1| */
+    double length;                  /* of the last step */
 };
+
+/* Without contacts or equations there is nothing to do, but everything is allocated. */
+int map_begin(const struct network *network, const struct force_options *options, const struct evidence *evidence,
+              struct map *map);
+void map_free(struct map *map);
+/* Take over the solution, and the variances of its last round, of another map of the same network. */
+void map_copy(const struct map *from, struct map *to);
+/* All rounds, from scratch; leaves the forces in `map->forces`. */
+int map_rounds(struct map *map, struct outcome *outcome);
 
 /* Does contact c have an overlap that counts? */
 int map_measured(const struct map *map, size_t c);
-/* e = B' l of all open and closed contacts; then B e of contact c. */
-void map_errors(struct map *map, const double *l);
+/* e = B' l; then B e of contact c. */
+void map_errors(struct map *map);
 double map_error_at(const struct map *map, size_t c);
-/* The system of Newton's step for the compliance `curve` (2 x 2 per contact), `shift` on the diagonal of y. */
-int map_factorise(struct map *map, double shift);
-/* `step` in (y, l) for the gradient `slope`, with the last factor. */
+/* The system of a step for the compliance `curve`. */
+int map_factorise(struct map *map);
+/* `step` in (y, l) that takes away `left`, with the last factor. */
 int map_back_solve(struct map *map);
 
-/* A primal-dual interior point (Mehrotra 1992) from scratch: leaves its multipliers in `point`, admissible forces in
- * `forces`. 0: done; 1: not within the limit, so the loads can hardly be balanced; -1: failed. */
-int map_interior(struct map *map, double softness, int *iterations);
+/* Primal-dual interior point (Mehrotra 1992) for soft, slack and weight, from the last solution when `warm`, else from
+ * scratch. Leaves forces inside their cones, y, l, e. 0: done; 1: not within the limit; -1: failed. */
+int map_interior(struct map *map, int *iterations);
 
 #endif

@@ -114,7 +114,7 @@ static void noise_of_body_forces(void **state)
     struct packing packing;
     const struct ending endings[METHOD_COUNT] = {[METHOD_CDM] = {500, 0, 0.1, 1.5, 0.85},
                                                  [METHOD_QSM] = {500, 0, 0.05, 0.4, 0.8},
-                                                 [METHOD_MAP] = {0, 0, 0.05, 0.3, 0.998}};
+                                                 [METHOD_MAP] = {0, 0, 0.05, 0.4, 0.998}};
     uint64_t seed = 5;
     copy_packing(*state, &packing);
     struct grains *g = &packing.grains;
