@@ -20,6 +20,11 @@ int compare_photo(const struct compare_photo *pair, struct figures *figures);
 int compare_packings(const struct packing *a, const struct packing *b, const char *method_a, const char *method_b,
                      struct figures *figures);
 
+/* |fn of A - fn of B| over <fn> of B for every contact of either (thesis Fig. 3.22); *errors to be freed. NULL and 0
+ * when one of them lacks the method. */
+int compare_force_errors(const struct packing *a, const struct packing *b, const char *method_a, const char *method_b,
+                         double **errors, size_t *count);
+
 /* Pearson's r of two samples (thesis eq. 3.3); NaN for fewer than two pairs or a constant sample. */
 double pearson(const double *a, const double *b, size_t count);
 

@@ -284,6 +284,48 @@ static const struct forces *pick_forces(const struct packing *packing, const cha
     return packing->force_count ? &packing->forces[0] : NULL;
 }
 
+/* same[c]: the row of contact c of A in B, or -1; to be freed. row: the same for grains, kept when `rows` is given. */
+static long *pair_contacts(const struct packing *a, const struct packing *b, long **rows)
+{
+    struct match_points pa = {a->grains.count, a->grains.x, a->grains.y},
+                        pb = {b->grains.count, b->grains.x, b->grains.y};
+    long *row = malloc((a->grains.count + 1) * sizeof *row), *same = malloc((a->contacts.count + 1) * sizeof *same);
+    int result = row && same ? match_grains(&pa, &pb, b->grains.radius, row) : error_memory("matching of grains");
+    if (result == 0)
+        result = match_contacts(a, b, row, same);
+    if (rows && result == 0)
+        *rows = row;
+    else
+        free(row);
+    if (result == 0)
+        return same;
+    free(same);
+    return NULL;
+}
+
+int compare_force_errors(const struct packing *a, const struct packing *b, const char *method_a, const char *method_b,
+                         double **errors, size_t *count)
+{
+    const struct forces *fa = pick_forces(a, method_a), *fb = pick_forces(b, method_b);
+    struct samples s;
+    *errors = NULL;
+    *count = 0;
+    if (!fa || !fb)
+        return 0;
+    long *same = pair_contacts(a, b, NULL);
+    int result = same ? gather_samples(a, b, fa, fb, same, &s) : -1;
+    free(same);
+    if (result)
+        return -1;
+    double mean = mean_force(fb->contact.fn, b->contacts.count);
+    *errors = malloc((s.count + 1) * sizeof **errors);
+    for (size_t k = 0; k < s.count && *errors; k++)
+        (*errors)[k] = fabs(s.fn[0][k] - s.fn[1][k]) / mean;
+    *count = s.count;
+    samples_free(&s);
+    return *errors ? 0 : error_memory("comparison of forces");
+}
+
 int compare_packings(const struct packing *a, const struct packing *b, const char *method_a, const char *method_b,
                      struct figures *figures)
 {
@@ -292,12 +334,8 @@ int compare_packings(const struct packing *a, const struct packing *b, const cha
         return error_input("A has no forces of method '%s': choose one that it has with --method", method_a);
     if (method_b && b->force_count && !fb)
         return error_input("B has no forces of method '%s': choose one that it has with --truth-method", method_b);
-    struct match_points pa = {a->grains.count, a->grains.x, a->grains.y},
-                        pb = {b->grains.count, b->grains.x, b->grains.y};
-    long *row = malloc((a->grains.count + 1) * sizeof *row), *same = malloc((a->contacts.count + 1) * sizeof *same);
-    int result = row && same ? match_grains(&pa, &pb, b->grains.radius, row) : error_memory("matching of grains");
-    if (result == 0)
-        result = match_contacts(a, b, row, same);
+    long *row = NULL, *same = pair_contacts(a, b, &row);
+    int result = same ? 0 : -1;
     if (result == 0) {
         compare_geometry(a, b, row, figures);
         compare_lists(a, b, same, figures);

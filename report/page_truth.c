@@ -146,6 +146,54 @@ static int force_table(const struct page *page, const struct series *series, str
     return 0;
 }
 
+/* Errors of fn of the last state: the value below which so many contacts lie. */
+static int error_chart(const struct packing *a, const struct packing *b, struct html *html)
+{
+    struct chart chart = {.title = "Last state: error of the normal forces",
+                          .x_label = "contacts below (%)",
+                          .y_label = "|fn - true fn| / ⟨fn⟩",
+                          .log_y = 1};
+    int result = 0;
+    for (size_t f = 0; f < a->force_count && f < CHART_LINES && result == 0; f++) {
+        double *errors;
+        size_t count;
+        result =
+            compare_force_errors(a, b, a->forces[f].method, packing_forces(b, "dem") ? "dem" : NULL, &errors, &count) ||
+                    page_put_quantiles(&chart, a->forces[f].method, errors, NULL, count, 1)
+                ? -1
+                : 0;
+        free(errors);
+        if (chart.count)
+            chart.lines[chart.count - 1].style = f + 1; /* as in the other charts */
+    }
+    if (result == 0)
+        result = page_chart(&chart, html);
+    chart_free(&chart);
+    return result;
+}
+
+static int last_errors(const struct page *page, const struct series *series, struct html *html)
+{
+    const struct series_row *last = NULL;
+    struct packing a = {0}, b = {0};
+    for (size_t k = 0; k < series->count; k++)
+        if (series->rows[k].packing.force_count)
+            last = &series->rows[k];
+    if (!last)
+        return 0;
+    char *truth = truth_path(page, last, "truth");
+    int result = !truth || packing_read(last->packing.path, &a) || packing_read(truth, &b) ? -1 : 0;
+    if (result == 0) {
+        fputs("<div class=\"charts\">\n", html->stream);
+        result = error_chart(&a, &b, html);
+        fputs("</div>\n", html->stream);
+    }
+    free(truth);
+    packing_free(&a);
+    packing_free(&b);
+    return result;
+}
+
 int page_truth(const struct page *page, const struct series *series, struct html *html)
 {
     int found = 0, tracked = 0, forces = 0;
@@ -158,7 +206,7 @@ int page_truth(const struct page *page, const struct series *series, struct html
           "error; 1 when standard errors are honest.</p>\n",
           html->stream);
     if ((found && found_table(page, series, html)) || (found && tracked && motion_table(page, series, html)) ||
-        (forces && force_table(page, series, html)))
+        (forces && (force_table(page, series, html) || last_errors(page, series, html))))
         return -1;
     return 0;
 }

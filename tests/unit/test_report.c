@@ -251,6 +251,17 @@ static void test_compare_lists(void **unused)
     const double fa[] = {13, 30, 40}, fb[] = {10, 30, 40};
     check_near(figures_value(&f, "r_fn"), pearson(fa, fb, 3), 1e-12);
     assert_int_equal(compare_packings(&a, &b, "qsm", NULL, &f), -1);
+    double *errors, sum = 0, largest = 0;
+    size_t count;
+    check_done(compare_force_errors(&a, &b, NULL, NULL, &errors, &count)); /* 3, 0, 0, 6, 20 over <fn> */
+    assert_int_equal(count, 5);
+    for (size_t k = 0; k < count; k++) {
+        sum += errors[k];
+        largest = fmax(largest, errors[k]);
+    }
+    check_near(sum, 29 / figures_value(&f, "mean_fn_b_N"), 1e-12);
+    check_near(largest, 20 / figures_value(&f, "mean_fn_b_N"), 1e-12);
+    free(errors);
     packing_free(&a);
     packing_free(&b);
 }
