@@ -5,6 +5,7 @@
 #include "calibration/commands.h"
 #include "calibration/hertz.h"
 #include "calibration/hertz_probes.h"
+#include "calibration/lammps_probes.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 #include "simulation/simulate_scene.h"
@@ -179,6 +180,28 @@ static int write_found(const struct options *o, const struct hertz_goal *goal, c
         found->probes, found->best.young / metres, found->best.poisson);
 }
 
+/* Spheres by LAMMPS: stresses and moduli are Pa throughout. */
+static int search_spheres(const struct options *o, struct simulation *simulation, struct hertz_goal *goal)
+{
+    struct lammps_probes spheres;
+    struct hertz_probes shown = {.record = {.path = NULL}};
+    struct hertz_found found;
+    double metres = isnan(simulation->length) ? 1 : simulation->length;
+    simulation->pressure /= metres;
+    goal->young = o->young;
+    goal->dimensions = HERTZ_3D;
+    if (!isnan(simulation->preparation_mu))
+        simulation->law.mu = simulation->preparation_mu;
+    if (lammps_probes_open(simulation, o->strain, PROBE_MU, o->record, goal, &spheres))
+        return -1;
+    int status = hertz_search(goal, lammps_probes_evaluate, &spheres, &found);
+    shown.record = spheres.record; /* borrowed */
+    if (!status)
+        status = write_found(o, goal, &shown, &found, 1);
+    lammps_probes_close(&spheres);
+    return status;
+}
+
 /* Targets are Pa, stresses in the plane N/m: times the rods' length. The grains' modulus stays in Pa. */
 static int search_plan(const struct options *o, struct simulation *simulation)
 {
@@ -196,6 +219,8 @@ static int search_plan(const struct options *o, struct simulation *simulation)
     struct probe_options probe = {o->strain, PROBE_MU};
     struct hertz_probes probes;
     struct hertz_found found;
+    if (o->dimensions == HERTZ_3D)
+        return search_spheres(o, simulation, &goal);
     if (simulation->law.kind != LAW_HERTZ_PFC && simulation->law.kind != LAW_HERTZ_MINDLIN)
         return error_input("%s: contact.law: a search seeks Hertz parameters: make it hertz_pfc or hertz_mindlin",
                            o->cli.scene);

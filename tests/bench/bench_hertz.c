@@ -3,6 +3,7 @@
  *     bench_hertz case1 [GRAINS]    E = 10 GPa, grains alike: 1787 (Newton, and Adam at the rate 0.2), or so many (all
  *     bench_hertz case3 [GRAINS]    methods, and probes whose packing is made anew); case3: 1655 graded
  *     bench_hertz both [GRAINS]     E and nu together: what a packing of discs can answer, and whether it is found
+ *     bench_hertz spheres [GRAINS]  E, then E and nu of a packing of spheres by LAMMPS (1000)
  *     bench_hertz porosity [GRAINS] closed forms against discrete elements over the porosity (the paper's Figs 8, 9)
  */
 #include <math.h>
@@ -13,6 +14,7 @@
 
 #include "calibration/hertz.h"
 #include "calibration/hertz_probes.h"
+#include "calibration/lammps_probes.h"
 #include "pipeline/error.h"
 
 static const double TARGET = 1e10, PRESSURE = 1e6; /* N/m: per metre of rod */
@@ -195,6 +197,55 @@ static int porosity(long grains)
     return 0;
 }
 
+/* The paper's case 2, smaller: spheres alike, 1 MPa, E = 10 GPa; then E and nu, the latter in the middle of what the
+ * packing can answer, and the paper's 0.2. */
+static int spheres(long grains)
+{
+    struct grade grading = {grains ? grains : 1000, 0.2};
+    struct simulation simulation = packing_of(&grading, 1, 0.2, 1);
+    struct hertz_goal goal = {.dimensions = HERTZ_3D,
+                              .young = TARGET,
+                              .grain_poisson = 0.2,
+                              .rate = 0.1,
+                              .first_step = HERTZ_FIRST_STEP,
+                              .cost = HERTZ_COST,
+                              .most_probes = 20};
+    struct lammps_probes probes;
+    struct hertz_found found;
+    if (!lammps_is_installed()) {
+        puts("skipped: LAMMPS is not installed (apt-get install lammps)");
+        return 0;
+    }
+    if (lammps_probes_open(&simulation, LAMMPS_PROBE_STRAIN, PROBE_MU, NULL, &goal, &probes))
+        return failed();
+    printf(
+        "%ld spheres, porosity %.4f, z %.3f\n\n| sought | probes | iterations | E of the closed form | E | nu | nu* | "
+        "reached |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        grading.count, probes.porosity, probes.z);
+    double targets[3] = {NAN, NAN, 0.2};
+    for (int t = 0; t < 3; t++) {
+        goal.fit_poisson = t > 0;
+        goal.poisson = targets[t];
+        if (hertz_search(&goal, lammps_probes_evaluate, &probes, &found))
+            return failed();
+        printf("| E%s%.3g | %d | %d | %+.1f %% | %+.2f %% | %.4f | %.3f | %s |\n", t ? ", nu = " : " ",
+               t ? targets[t] : TARGET, found.probes, found.iterations,
+               100 * (probes.record.rows[0].young / TARGET - 1), 100 * (found.best.young / TARGET - 1),
+               found.best.poisson, found.best.grain_poisson, found.reached ? "yes" : "no");
+        fflush(stdout);
+        if (t == 0) { /* the answers at the ends of the range of nu* */
+            struct hertz_trial ends[2] = {{.grain_young = found.best.grain_young, .grain_poisson = 0},
+                                          {.grain_young = found.best.grain_young, .grain_poisson = 0.5}};
+            if (lammps_probes_evaluate(ends, 2, &probes))
+                return failed();
+            printf("| nu* = 0 and 0.5 | | | | | %.4f and %.4f | | |\n", ends[0].poisson, ends[1].poisson);
+            targets[1] = 0.5 * (ends[0].poisson + ends[1].poisson);
+        }
+    }
+    lammps_probes_close(&probes);
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     long grains = argc > 2 ? atol(argv[2]) : 0;
@@ -204,6 +255,8 @@ int main(int argc, char **argv)
         return both(grains);
     if (argc > 1 && !strcmp(argv[1], "porosity"))
         return porosity(grains);
-    fputs("bench_hertz case1|case3|both|porosity [GRAINS]\n", stderr);
+    if (argc > 1 && !strcmp(argv[1], "spheres"))
+        return spheres(grains);
+    fputs("bench_hertz case1|case3|both|spheres|porosity [GRAINS]\n", stderr);
     return 2;
 }

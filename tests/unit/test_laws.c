@@ -1,4 +1,4 @@
-/* Contact laws on one small-strain probe: what Tolomeo and McDowell find, in the plane, on 100 discs. */
+/* Contact laws on one small-strain probe: what Tolomeo and McDowell find, in the plane, on 60 discs. */
 #include "tests/check.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include "calibration/laws.h"
 #include "pipeline/error.h"
 
-static const struct grade GRADING[] = {{40, 0.024}, {40, 0.03}, {20, 0.04}};
+static const struct grade GRADING[] = {{24, 0.024}, {24, 0.03}, {12, 0.04}};
 
 static struct simulation ballast(void)
 {
@@ -18,7 +18,7 @@ static struct simulation ballast(void)
     simulation.length = 0.03;
     simulation.pressure = 1.5e5 * 0.03;
     simulation.preparation_mu = 0.2;
-    simulation.tolerance = 1e-8;
+    simulation.tolerance = 1e-7;
     simulation.law = (struct contact_law){.kind = LAW_POHRT_POPOV,
                                           .kt_over_kn = 1.5 / 1.75,
                                           .mu = 0.7,
@@ -34,7 +34,7 @@ static void rough_contacts_are_softer_and_plastic_ones_stiffer_again(void **stat
     (void)state;
     static const enum contact_law_kind kinds[] = {LAW_HERTZ_MINDLIN, LAW_POHRT_POPOV, LAW_POHRT_POPOV_PLASTIC};
     struct simulation simulation = ballast();
-    struct law_probe probe = {.first = 1e-7, .last = 3e-4, .per_decade = 1, .back = 2};
+    struct law_probe probe = {.first = 1e-6, .last = 3e-4, .per_decade = 1, .back = 2};
     struct law_curve curves[3];
     for (int k = 0; k < 3; k++) {
         struct contact_law law = simulation.law;
@@ -42,7 +42,7 @@ static void rough_contacts_are_softer_and_plastic_ones_stiffer_again(void **stat
         check_done(law_compare(&simulation, &law, &probe, &curves[k]));
         assert_int_equal(curves[k].count, curves[k].loading + 2);
         const struct law_step *first = &curves[k].steps[0], *last = &curves[k].steps[curves[k].loading - 1];
-        check_near(first->strain, 1e-7, 1e-12);
+        check_near(first->strain, 1e-6, 1e-12);
         check_near(last->strain, 3e-4, 1e-12);
         check_near(curves[k].steps[curves[k].count - 1].strain, 1.5e-4, 1e-12);
         assert_true(first->rested);
@@ -54,7 +54,7 @@ static void rough_contacts_are_softer_and_plastic_ones_stiffer_again(void **stat
         size_t all = 0;
         for (int g = 0; g < GROUPS; g++)
             all += first->count[g];
-        check_near((double)all, 0.5 * curves[k].fabric.z * 100, 25); /* walls count once */
+        check_near((double)all, 0.5 * curves[k].fabric.z * 60, 20); /* walls count once */
         check_at_most((double)first->count[GROUP_LOADING], (double)last->count[GROUP_LOADING] - 1);
         if (k == 2) /* the elastic ones stay as they are in so small a packing */
             check_at_most(last->young, 0.9 * first->young);
