@@ -29,6 +29,7 @@ struct chart_line *chart_add(struct chart *chart, const char *name, size_t capac
     line->x = malloc((capacity + 1) * sizeof *line->x);
     line->y = malloc((capacity + 1) * sizeof *line->y);
     line->count = 0;
+    line->dashed = line->without_key = line->scattered = 0;
     if (line->x && line->y)
         return line;
     (void)error_memory("a chart");
@@ -204,7 +205,7 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
     }
     cairo_stroke(cairo);
     cairo_set_dash(cairo, NULL, 0, 0);
-    for (size_t k = 0; k < line->count && line->count <= 60; k++) {
+    for (size_t k = 0; k < line->count && (line->count <= 60 || line->scattered); k++) {
         double up = height_of(chart, line, k);
         if (!isnan(up))
             draw_marker(cairo, on(x, line->x[k]), on(y, up), line->style);

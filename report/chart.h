@@ -13,6 +13,7 @@ struct chart_line {
     size_t count;
     size_t style; /* colour and marker */
     int dashed, without_key;
+    int scattered; /* a marker on every point, however many there are */
 };
 
 struct chart {

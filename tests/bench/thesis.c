@@ -71,7 +71,10 @@ int thesis_maps(const struct thesis *thesis, const struct packing *const *packin
 
 struct chart_line *thesis_scatter(struct chart *chart, const char *name, size_t capacity)
 {
-    return chart_add(chart, name, 2 * capacity + 2);
+    struct chart_line *line = chart_add(chart, name, 2 * capacity + 2);
+    if (line)
+        line->scattered = 1, line->without_key = !*name;
+    return line;
 }
 
 void thesis_point(struct chart_line *line, double x, double y)

@@ -33,6 +33,8 @@ static int draw(struct chart *chart, const char *name)
     struct chart_line *line = chart_add(chart, name, THREE_LIMIT + 1);
     for (int k = 0; line && k <= path.count; k++)
         chart_put(line, path.fn[k], path.ft[k]);
+    if (line)
+        line->without_key = 1;
     return line ? 0 : -1;
 }
 
