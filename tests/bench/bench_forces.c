@@ -29,6 +29,34 @@ static struct force_options usual(void)
     return options;
 }
 
+/* Many runs of one kind. */
+struct tally {
+    const char *name;
+    double runs, converged, cpu, cpu_most, rn, rt, rn_least, rt_least;
+};
+
+static void tally_add(struct tally *tally, const struct forces *forces, double cpu, double rn, double rt)
+{
+    if (tally->runs == 0)
+        tally->rn_least = tally->rt_least = 1;
+    tally->runs++, tally->converged += forces->converged;
+    tally->cpu += cpu, tally->cpu_most = fmax(tally->cpu_most, cpu);
+    tally->rn += rn, tally->rt += rt;
+    tally->rn_least = fmin(tally->rn_least, rn), tally->rt_least = fmin(tally->rt_least, rt);
+}
+
+static void tally_say(struct tally *tally)
+{
+    if (tally->runs > 0)
+        printf("%-26s %3.0f of %3.0f converged, CPU s mean %.3f most %.3f, r(fn) mean %.4f least %.4f, r(ft) mean %.4f "
+               "least %.4f\n",
+               tally->name, tally->converged, tally->runs, tally->cpu / tally->runs, tally->cpu_most,
+               tally->rn / tally->runs, tally->rn_least, tally->rt / tally->runs, tally->rt_least);
+    tally->runs = tally->converged = tally->cpu = tally->cpu_most = tally->rn = tally->rt = 0;
+}
+
+static struct tally *counted; /* of the next runs; NULL: none */
+
 /* One run, one line. */
 static int measure(const struct packing *truth, const struct packing *packing, const struct force_options *options,
                    enum force_method method, const char *label)
@@ -39,10 +67,12 @@ static int measure(const struct packing *truth, const struct packing *packing, c
         return -1;
     double cpu = states_cpu() - begin;
     const struct forces *dem = packing_forces(truth, "dem");
+    double rn = states_r(truth, packing, dem->contact.fn, forces.contact.fn, 1);
+    double rt = states_r(truth, packing, dem->contact.ft, forces.contact.ft, 0);
     printf("%-34s %-4s %-8s %7d %7.3f  %8.1e %s  %.4f  %.4f\n", label, forces.method, forces.start, forces.iterations,
-           cpu, forces.imbalance, forces.converged ? "yes" : "no ",
-           states_r(truth, packing, dem->contact.fn, forces.contact.fn, 1),
-           states_r(truth, packing, dem->contact.ft, forces.contact.ft, 0));
+           cpu, forces.imbalance, forces.converged ? "yes" : "no ", rn, rt);
+    if (counted)
+        tally_add(counted, &forces, cpu, rn, rt);
     fflush(stdout);
     forces_free(&forces);
     return 0;
@@ -238,7 +268,13 @@ static int table_kn(const struct bench *bench, const struct packing *truth, cons
     return 0;
 }
 
-/* Every state of a test (--steps): exact overlaps and 0.1 px. */
+static struct tally along[] = {{.name = "qsm, exact overlaps"},
+                               {.name = "map, exact overlaps"},
+                               {.name = "qsm, 0.1 px"},
+                               {.name = "map, 0.1 px"},
+                               {.name = "map, zero"}};
+
+/* Every state of a test (--steps): exact overlaps and 0.1 px; sums at the end. */
 static int table_along(const struct bench *bench, const struct packing *truth, const char *label)
 {
     for (int noise = 0; noise < 2; noise++) {
@@ -252,6 +288,7 @@ static int table_along(const struct bench *bench, const struct packing *truth, c
             struct force_options options = usual();
             options.start = START_OVERLAP;
             options.rescale = noise;
+            counted = &along[2 * noise + method - METHOD_QSM];
             if (measure(truth, &measured, &options, (enum force_method)method, text))
                 return -1;
         }
@@ -259,7 +296,10 @@ static int table_along(const struct bench *bench, const struct packing *truth, c
     }
     struct force_options options = usual();
     options.start = START_ZERO;
-    return measure(truth, truth, &options, METHOD_MAP, label);
+    counted = &along[4];
+    int status = measure(truth, truth, &options, METHOD_MAP, label);
+    counted = NULL;
+    return status;
 }
 
 /* Exact least and largest fn of five contacts: CPU seconds a contact. */
@@ -305,6 +345,8 @@ static int run(const struct bench *bench, table *make)
         states_free(&states);
         if (failed)
             return -1;
+        for (size_t t = 0; t < sizeof along / sizeof *along; t++)
+            tally_say(&along[t]);
     }
     return 0;
 }

@@ -25,7 +25,7 @@ static const struct run RUNS[] = {{"cdm, overlap, 1e-2", METHOD_CDM, START_OVERL
                                   {"qsm, overlap, 1e-6", METHOD_QSM, START_OVERLAP, 1e-6, 1e6, 0},
                                   {"map, zero, 1e-6", METHOD_MAP, START_ZERO, 1e-6, 1e6, 0},
                                   {"map, overlap, 1e-6", METHOD_MAP, START_OVERLAP, 1e-6, 1e6, 0},
-                                  {"map, 0.03 px, 1e-6", METHOD_MAP, START_OVERLAP, 1e-6, 1e6, 0.03}};
+                                  {"map, 0.03 px, 1e-6", METHOD_MAP, START_OVERLAP, 1e-6, 20000, 0.03}};
 enum { RUN_COUNT = sizeof RUNS / sizeof *RUNS };
 static double last_cpu[RUN_COUNT], last_grains;
 
