@@ -32,14 +32,14 @@ static struct force_options usual(void)
 /* Many runs of one kind. */
 struct tally {
     const char *name;
-    double runs, converged, cpu, cpu_most, rn, rt, rn_least, rt_least;
+    double runs, converged, iterations, cpu, cpu_most, rn, rt, rn_least, rt_least;
 };
 
 static void tally_add(struct tally *tally, const struct forces *forces, double cpu, double rn, double rt)
 {
     if (tally->runs == 0)
         tally->rn_least = tally->rt_least = 1;
-    tally->runs++, tally->converged += forces->converged;
+    tally->runs++, tally->converged += forces->converged, tally->iterations += forces->iterations;
     tally->cpu += cpu, tally->cpu_most = fmax(tally->cpu_most, cpu);
     tally->rn += rn, tally->rt += rt;
     tally->rn_least = fmin(tally->rn_least, rn), tally->rt_least = fmin(tally->rt_least, rt);
@@ -48,11 +48,12 @@ static void tally_add(struct tally *tally, const struct forces *forces, double c
 static void tally_say(struct tally *tally)
 {
     if (tally->runs > 0)
-        printf("%-26s %3.0f of %3.0f converged, CPU s mean %.3f most %.3f, r(fn) mean %.4f least %.4f, r(ft) mean %.4f "
+        printf("%-26s %3.0f of %3.0f converged, mean its %.0f, CPU s mean %.3f most %.3f, r(fn) mean %.4f least %.4f, "
+               "r(ft) mean %.4f "
                "least %.4f\n",
-               tally->name, tally->converged, tally->runs, tally->cpu / tally->runs, tally->cpu_most,
-               tally->rn / tally->runs, tally->rn_least, tally->rt / tally->runs, tally->rt_least);
-    tally->runs = tally->converged = tally->cpu = tally->cpu_most = tally->rn = tally->rt = 0;
+               tally->name, tally->converged, tally->runs, tally->iterations / tally->runs, tally->cpu / tally->runs,
+               tally->cpu_most, tally->rn / tally->runs, tally->rn_least, tally->rt / tally->runs, tally->rt_least);
+    tally->runs = tally->converged = tally->iterations = tally->cpu = tally->cpu_most = tally->rn = tally->rt = 0;
 }
 
 static struct tally *counted; /* of the next runs; NULL: none */
@@ -227,15 +228,21 @@ static int table_interval(const struct bench *bench, const struct packing *truth
     return 0;
 }
 
+static struct tally warm[] = {{.name = "cdm, zero"}, {.name = "cdm, overlap"}, {.name = "cdm, previous"},
+                              {.name = "qsm, zero"}, {.name = "qsm, overlap"}, {.name = "qsm, previous"},
+                              {.name = "map, zero"}, {.name = "map, overlap"}, {.name = "map, previous"}};
+
 /* A state started from nothing, from its overlaps, and from the forces of the state before. */
 static int table_warm(const struct bench *bench, const struct packing *truth, const char *label)
 {
     static const enum force_start starts[] = {START_ZERO, START_OVERLAP, START_PREVIOUS};
-    for (int method = METHOD_QSM; method <= METHOD_MAP && bench->previous; method++)
+    for (int method = METHOD_CDM; method <= METHOD_MAP && bench->previous; method++)
         for (int s = 0; s < 3; s++) {
             struct force_options options = usual();
             options.start = starts[s];
             options.previous = bench->previous;
+            options.tolerance = method == METHOD_CDM ? 1e-3 : FORCE_TOLERANCE;
+            counted = &warm[3 * (method - METHOD_CDM) + s];
             if (measure(truth, truth, &options, (enum force_method)method, label))
                 return -1;
         }
@@ -347,6 +354,9 @@ static int run(const struct bench *bench, table *make)
             return -1;
         for (size_t t = 0; t < sizeof along / sizeof *along; t++)
             tally_say(&along[t]);
+        for (size_t t = 0; t < sizeof warm / sizeof *warm; t++)
+            tally_say(&warm[t]);
+        counted = NULL;
     }
     return 0;
 }
