@@ -1,7 +1,7 @@
 /* Speed against error of the force methods, on virtual states with known forces (docs/forces.md):
  *
  *     bench_forces speed|noise|network|interval|kn|along|range|warm [--kappa K,...] [--grains N] [--seed S] [--steps N]
- *                  [--strain E]
+ *                  [--strain E] [--keep FOLDER]
  *
  * All times are CPU seconds of one thread, the network and its factorisation included. */
 #include <stdio.h>
@@ -18,6 +18,7 @@ struct bench {
     long steps;
     double strain; /* of a step */
     uint64_t seed;
+    const char *folder;             /* of kept states; NULL: none */
     const struct packing *previous; /* state before this one, with its true forces; NULL: none */
 };
 
@@ -341,7 +342,8 @@ static int run(const struct bench *bench, table *make)
     headline();
     for (int k = 0; k < bench->kappas; k++) {
         struct states states;
-        int failed = states_simulate(bench->grains, bench->kappa[k], 1, bench->steps, bench->strain, &states) < 0;
+        const struct states_test test = {bench->grains, bench->kappa[k], 1, bench->steps, bench->strain, 1e-9, 0};
+        int failed = states_keep(bench->folder, &test, &states);
         for (size_t s = 0; !failed && s < states.count; s++) {
             char label[60];
             snprintf(label, sizeof label, "kappa %g state %zu", bench->kappa[k], s);
@@ -385,6 +387,8 @@ int main(int argc, char **argv)
             bench.seed = strtoull(value, NULL, 10);
         if (!strcmp(argv[k], "--steps"))
             bench.steps = strtol(value, NULL, 10);
+        if (!strcmp(argv[k], "--keep"))
+            bench.folder = value;
         if (!strcmp(argv[k], "--strain"))
             bench.strain = strtod(value, NULL);
     }

@@ -1,6 +1,6 @@
 /* How the methods grow with the packing (docs/forces.md):
  *
- *     bench_forces_size [--kappa K] [--most N]
+ *     bench_forces_size [--kappa K] [--most N] [--keep FOLDER]
  *
  * States of 100 and 1000 grains are made by simulate; the larger ones are mirrored copies of the second (tiles.h),
  * which are in equilibrium to its own 1e-9. CPU seconds of one thread to a residual of 1e-6 (cdm: 1e-2), and the
@@ -68,13 +68,13 @@ static int measure_all(const struct packing *truth)
     return 0;
 }
 
-static int run(double kappa, double most)
+static int run(double kappa, double most, const char *folder)
 {
     static const size_t copies[] = {1, 3, 10};
     struct states small, tile;
     printf("%8s %8s  %-20s %7s %9s %9s %s\n", "grains", "contacts", "", "its", "CPU s", "residual", "ok");
-    if (states_simulate(100, kappa, 1, 0, 0, &small) < 0 || measure_all(&small.state[0]) ||
-        states_simulate(1000, kappa, 1, 0, 0, &tile) < 0)
+    const struct states_test first = {100, kappa, 1, 0, 0, 1e-9, 0}, second = {1000, kappa, 1, 0, 0, 1e-9, 0};
+    if (states_keep(folder, &first, &small) || measure_all(&small.state[0]) || states_keep(folder, &second, &tile))
         return -1;
     for (int k = 0; k < 3; k++) {
         struct packing packing;
@@ -92,13 +92,16 @@ static int run(double kappa, double most)
 int main(int argc, char **argv)
 {
     double kappa = 1000, most = 1e6;
+    const char *folder = NULL;
     for (int k = 1; k + 1 < argc; k += 2) {
         if (!strcmp(argv[k], "--kappa"))
             kappa = strtod(argv[k + 1], NULL);
+        if (!strcmp(argv[k], "--keep"))
+            folder = argv[k + 1];
         if (!strcmp(argv[k], "--most"))
             most = strtod(argv[k + 1], NULL);
     }
-    if (!run(kappa, most))
+    if (!run(kappa, most, folder))
         return EXIT_DONE;
     fprintf(stderr, "bench_forces_size: %s\n", error_message());
     return EXIT_FAILED;

@@ -1,7 +1,7 @@
 /* Contact dynamics (cdm) beside the nonlinear Gauss-Seidel solver of Siconos (fc2d_nsgs, Acary et al.), both from zero,
  * on the same contact problem (W, q, mu: what forces --fclib writes), in the same run (docs/forces.md):
  *
- *     bench_siconos [--kappa K,...] [--grains N]
+ *     bench_siconos [--kappa K,...] [--grains N] [--keep FOLDER]
  *
  * Both are judged by the same residual, the largest unbalanced component over <fn>. Siconos goes on in blocks of sweeps
  * from where it was; its error is looked at once a block, and the assembly of W is not counted against it. Without
@@ -145,20 +145,24 @@ static int compare(const struct packing *packing, const char *label)
 int main(int argc, char **argv)
 {
     double kappas[8] = {100, 1000}, grains = 600;
+    const char *folder = NULL;
     int count = 2;
     for (int k = 1; k + 1 < argc; k += 2) {
         char *value = argv[k + 1];
         if (!strcmp(argv[k], "--kappa"))
             for (count = 0; *value && count < 8; value += *value == ',')
                 kappas[count++] = strtod(value, &value);
+        if (!strcmp(argv[k], "--keep"))
+            folder = value;
         if (!strcmp(argv[k], "--grains"))
             grains = strtod(value, NULL);
     }
     for (int k = 0; k < count; k++) {
         struct states states;
         char label[60];
+        const struct states_test test = {grains, kappas[k], 1, 0, 0, 1e-9, 0};
         snprintf(label, sizeof label, "kappa %g, %g grains", kappas[k], grains);
-        if (states_simulate(grains, kappas[k], 1, 0, 0, &states) < 0 || compare(&states.state[0], label)) {
+        if (states_keep(folder, &test, &states) || compare(&states.state[0], label)) {
             fprintf(stderr, "bench_siconos: %s\n", error_message());
             return EXIT_FAILED;
         }

@@ -1,5 +1,6 @@
 #include "tests/bench/force_states.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -59,6 +60,57 @@ int states_make(const struct states_test *test, struct states *states)
     simulation.test = TEST_BIAXIAL_VERTICAL;
     simulation.steps = loading, simulation.step_count = test->steps > 0;
     return simulate(&simulation, keep, states);
+}
+
+/* ---- states in files ---- */
+
+static void path_of(const char *folder, const struct states_test *test, long s, char path[1000])
+{
+    snprintf(path, 1000, "%s/states-%g-%g-%llu-%ldx%g-%g-%ld-%04ld.hdf", folder, test->grains, test->kappa,
+             (unsigned long long)test->seed, test->steps, test->strain, test->tolerance, test->patience, s);
+}
+
+static int read_states(const char *folder, const struct states_test *test, struct states *states)
+{
+    memset(states, 0, sizeof *states);
+    states->state = calloc((size_t)test->steps + 1, sizeof *states->state);
+    if (!states->state)
+        return error_memory("states");
+    for (long s = 0; s <= test->steps; s++) {
+        char path[1000];
+        path_of(folder, test, s, path);
+        if (packing_read(path, &states->state[s]))
+            return -1;
+        states->count++;
+    }
+    return 0;
+}
+
+static int write_states(const char *folder, const struct states_test *test, const struct states *states)
+{
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    provenance.stage = "bench", provenance.parameters = "{}", provenance.coordinates = "si";
+    for (size_t s = 0; s < states->count; s++) {
+        char path[1000];
+        path_of(folder, test, (long)s, path);
+        if (packing_write(path, &states->state[s], &provenance))
+            return -1;
+    }
+    return 0;
+}
+
+int states_keep(const char *folder, const struct states_test *test, struct states *states)
+{
+    char last[1000];
+    if (!folder)
+        return states_make(test, states) < 0 ? -1 : 0;
+    path_of(folder, test, test->steps, last); /* written last: all are there when it is */
+    FILE *there = fopen(last, "rb");
+    if (there) {
+        fclose(there);
+        return read_states(folder, test, states);
+    }
+    return states_make(test, states) < 0 || write_states(folder, test, states) ? -1 : 0;
 }
 
 int states_simulate(double grains, double kappa, uint64_t seed, long steps, double strain, struct states *states)

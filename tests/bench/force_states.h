@@ -22,6 +22,8 @@ struct states_test {
     long patience;
 };
 int states_make(const struct states_test *test, struct states *states);
+/* From files in the folder when they are there, else made and written there. folder NULL: made. 0 or -1. */
+int states_keep(const char *folder, const struct states_test *test, struct states *states);
 void states_free(struct states *states);
 int packing_copy(const struct packing *from, struct packing *to);
 

@@ -85,53 +85,11 @@ void thesis_point(struct chart_line *line, double x, double y)
 
 /* ---- states ---- */
 
-static void path_of(const struct thesis *thesis, const struct thesis_test *test, long s, char path[1000])
-{
-    snprintf(path, 1000, "%s/states-%g-%g-%llu-%ldx%g-%ld-%04ld.hdf", thesis->folder, test->grains, test->kappa,
-             (unsigned long long)test->seed, test->steps, test->strain, test->patience, s);
-}
-
-static int read_states(const struct thesis *thesis, const struct thesis_test *test, struct states *states)
-{
-    memset(states, 0, sizeof *states);
-    states->state = calloc((size_t)test->steps + 1, sizeof *states->state);
-    if (!states->state)
-        return error_memory("states");
-    for (long s = 0; s <= test->steps; s++) {
-        char path[1000];
-        path_of(thesis, test, s, path);
-        if (packing_read(path, &states->state[s]))
-            return -1;
-        states->count++;
-    }
-    return 0;
-}
-
-static int write_states(const struct thesis *thesis, const struct thesis_test *test, const struct states *states)
-{
-    struct provenance provenance = PROVENANCE_DEFAULT;
-    provenance.stage = "bench_thesis", provenance.parameters = "{}", provenance.coordinates = "si";
-    for (size_t s = 0; s < states->count; s++) {
-        char path[1000];
-        path_of(thesis, test, (long)s, path);
-        if (packing_write(path, &states->state[s], &provenance))
-            return -1;
-    }
-    return 0;
-}
-
 int thesis_states(const struct thesis *thesis, const struct thesis_test *test, struct states *states)
 {
-    char last[1000];
-    path_of(thesis, test, test->steps, last); /* written last: all are there when it is */
-    FILE *there = fopen(last, "rb");
-    if (there) {
-        fclose(there);
-        return read_states(thesis, test, states);
-    }
     const struct states_test wanted = {test->grains, test->kappa, test->seed,    test->steps,
                                        test->strain, 1e-8,        test->patience};
-    return states_make(&wanted, states) < 0 || write_states(thesis, test, states) ? -1 : 0;
+    return states_keep(thesis->folder, &wanted, states);
 }
 
 static double height_of(const struct packing *packing)
