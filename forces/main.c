@@ -84,6 +84,10 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         if (arguments->inputs.count > 1 && !arguments->series)
             argp_error(state, "one packing at a time, not also %s; --method series takes many",
                        arguments->inputs.paths[1]);
+        if (arguments->series && (arguments->walk > 0 || arguments->range))
+            argp_error(state, "--walk and --range look at one packing: not with --method series");
+        if (arguments->samples > 0 && arguments->walk > 0)
+            argp_error(state, "--samples and --walk both fill s_fn and fn_min: give one of them");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
