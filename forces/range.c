@@ -133,6 +133,9 @@ static int with_network(const struct packing *packing, const struct network *net
     int status = f ? evidence_build(packing, network, &options, f, &belief) : error_memory("ranges");
     for (size_t k = 0; !status && k < 2 * network->count; k++)
         belief.variance[k] = 1;
+    for (size_t d = 0; !status && d < network->dofs; d++)
+        belief.soft[d] = 0;               /* every grain in balance */
+    belief.barrier = belief.friction = 0; /* the extreme itself, not a mean */
     if (!status)
         status = solve_all(network, &options, &belief, wanted, &forces->contact);
     evidence_free(&belief);

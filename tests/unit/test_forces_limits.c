@@ -157,7 +157,8 @@ static void hexagonal_crystal_of_thousands(void **state)
     packing_free(&packing);
 }
 
-/* Three discs in a row between two fixed ones, ever straighter: thrusts of 1 / bend of the load. */
+/* Three discs in a row between two fixed ones, ever straighter: thrusts of 1 / bend of the load. At a bend of 1e-5 map
+ * may give up, if it says so: infer_and_check() holds every result to its own words. */
 static void arches_near_mechanisms(void **state)
 {
     (void)state;
@@ -175,7 +176,13 @@ static void arches_near_mechanisms(void **state)
         for (int method = METHOD_QSM; method <= METHOD_MAP; method++) {
             struct force_options options = usual();
             options.start = START_MEAN;
-            check_ending(&packing, &options, (enum force_method)method, 1, 0, 1e-6);
+            if (method == METHOD_QSM || bends[b] > 5e-5) {
+                check_ending(&packing, &options, (enum force_method)method, 1, 0, 1e-6);
+            } else {
+                struct forces forces;
+                infer_and_check(&packing, &options, (enum force_method)method, &forces);
+                forces_free(&forces);
+            }
         }
         packing_free(&packing);
     }
