@@ -1,6 +1,8 @@
 /* CPU time, memory and size of photos and state files.
  *
- *     build/bench/bench_files [--full] [--json FILE]       --full: 10320 x 7752 px (80 Mpixel), else 2580 x 1938 */
+ *     build/bench/bench_files [--full] [--json FILE]
+ *
+ * --full: 10320 x 7752 px (80 Mpixel) instead of 2580 x 1938, and a state of 5,000,002 grains with 10^7 contacts. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -128,6 +130,21 @@ static void make_packing(struct packing *packing, size_t grains)
     }
 }
 
+/* Every row came back as it was written. */
+static void check_packing(const struct packing *packing, size_t grains)
+{
+    size_t wrong = packing->grains.count != grains || packing->contacts.count != 2 * (grains - 2);
+    for (size_t k = 0; !wrong && k < grains; k++)
+        wrong += packing->grains.x[k] != random_uniform(2, 2 * k);
+    for (size_t c = 0; !wrong && c < packing->contacts.count; c++)
+        wrong += packing->contacts.j[c] != (int64_t)(c / 2 + 1 + c % 2) ||
+                 packing->forces->contact.fn[c] != random_uniform(3, c);
+    if (wrong) {
+        fprintf(stderr, "bench_files: the state of %zu grains did not come back as it was written\n", grains);
+        exit(1);
+    }
+}
+
 static void bench_states(size_t grains)
 {
     char path[] = "/tmp/bench_state.XXXXXX", what[80];
@@ -147,6 +164,7 @@ static void bench_states(size_t grains)
         stop();
     snprintf(what, sizeof what, "state of %zu grains, all columns: read", grains);
     report(what, cpu_seconds() - begin, path);
+    check_packing(&packing, grains);
     packing_free(&packing);
     unlink(path);
 }
@@ -161,6 +179,8 @@ int main(int argc, char **argv)
     }
     bench_states(1850);
     bench_states(18500);
+    if (full)
+        bench_states(5000002);
     bench_photos(full ? 10320 : 2580, full ? 7752 : 1938);
     if (json)
         fclose(json);
