@@ -128,10 +128,14 @@ int original_read_grains(const char *path, struct photo_grains *grains)
         status = table_alloc(&PHOTO_GRAINS, grains, text.rows, names);
     for (size_t k = 0; !status && k < text.rows; k++) {
         const double *row = row_of(&text, k);
+        if (!(row[3] > 0) || !isfinite(row[0]) || !isfinite(row[1]))
+            status = error_input("%s: grain %zu: x, y and a radius above 0 are needed", path, k);
         grains->x_px[k] = row[0];
         grains->y_px[k] = row[1];
         grains->radius_px[k] = row[3];
     }
+    if (status)
+        table_free(&PHOTO_GRAINS, grains);
     free(text.values);
     return status;
 }
