@@ -246,11 +246,24 @@ static double force_from_loads(const struct packing *packing, struct network *ne
     return length > 0 ? fabs(virial) / length : 0;
 }
 
-/* The unit of force: from the loads, else from the overlaps, else 1 N. */
+/* Mean load of a grain that is in the equations, per contact. */
+static double load_per_contact(const struct packing *packing, const struct network *network)
+{
+    const struct grains *g = &packing->grains;
+    double sum = 0;
+    for (size_t k = 0; k < g->count; k++)
+        if (network->grain_dof[k] >= 0)
+            sum += hypot(grain_load(g->load_x, k), grain_load(g->load_y, k));
+    return network->count ? sum / (double)network->count : 0;
+}
+
+/* The unit of force: from the loads, else from the overlaps, else 1 N. Loads on grains in all directions have next to
+ * no virial, but need contact forces of their own size. */
 static double force_unit(const struct packing *packing, const struct contact_law *law, struct network *network)
 {
     double unit = force_from_loads(packing, network), sum = 0;
-    if (isfinite(unit) && unit > 0)
+    unit = fmax(isfinite(unit) ? unit : 0, load_per_contact(packing, network));
+    if (unit > 0)
         return unit;
     if (packing->contacts.overlap && isfinite(law->kn))
         for (size_t c = 0; c < network->count; c++)

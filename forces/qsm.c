@@ -10,7 +10,7 @@
 #include "forces/sparse.h"
 #include "pipeline/error.h"
 
-enum { QSM_ITERATIONS = 4000 };
+enum { QSM_ITERATIONS = 4000, FAILURES = 20, PAUSE = 25 };
 
 /* A component that is held gets next to no stiffness: the others take up what is out of balance. */
 #define HELD_STIFFNESS 1e-8
@@ -102,12 +102,13 @@ struct points {
     double *x, *p, *g, *best;
 };
 
-/* The accelerated iteration with a way back: when it has made the imbalance ten times worse than the best, it
- * restarts from the best point without history, and after a few such failures goes on unaccelerated. */
+/* The accelerated iteration with a way back: when it has made the imbalance ten times worse than the best, it restarts
+ * from the best point without history. After some failures plain projections lead on from there for a while before they
+ * are accelerated again. */
 static int iterate(struct qsm *qsm, struct anderson *anderson, struct points *at, struct outcome *outcome)
 {
     size_t size = 2 * qsm->network->count * sizeof(double);
-    int limit = qsm->options->iterations > 0 ? qsm->options->iterations : QSM_ITERATIONS, failures = 0;
+    int limit = qsm->options->iterations > 0 ? qsm->options->iterations : QSM_ITERATIONS, pause = 0, failures = 0;
     double best = INFINITY;
     for (outcome->iterations = 0;; outcome->iterations++) {
         memcpy(at->p, at->x, size);
@@ -121,14 +122,17 @@ static int iterate(struct qsm *qsm, struct anderson *anderson, struct points *at
             memcpy(at->x, at->best, size);
             network_judge(qsm->network, at->p, qsm->unbalance);
             anderson_restart(anderson);
-            if (++failures >= 20)
-                anderson->m = 0;
+            if (++failures % FAILURES == 0)
+                pause = PAUSE << (failures / FAILURES < 6 ? failures / FAILURES : 6);
         }
         if (best <= qsm->options->tolerance || outcome->iterations >= limit)
             break;
         if (project_static(qsm, at->p, at->g))
             return -1;
-        anderson_step(anderson, at->x, at->g, at->x);
+        if (pause > 0 && pause--)
+            memcpy(at->x, at->g, size);
+        else
+            anderson_step(anderson, at->x, at->g, at->x);
     }
     outcome->imbalance = best;
     outcome->converged = best <= qsm->options->tolerance;
