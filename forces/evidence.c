@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/elastic.h"
 #include "pipeline/error.h"
 
 /* Overlaps are never better known than this share of <fn>: the contact law itself is not. */
@@ -118,68 +119,70 @@ static void add_grain(const struct packing *packing, size_t row, size_t k, doubl
     add_share(evidence, c, at, body[k].radius, stiffness * error_of(g->s_radius, k));
 }
 
-static void fill_shares(const struct packing *packing, const struct network *network, double stiffness,
-                        const struct unknowns *body, struct evidence *evidence)
+/* B of one contact whose law has that stiffness (in units, per m). */
+static void fill_share(const struct packing *packing, const struct network *network, size_t c, double stiffness,
+                       const struct unknowns *body, struct evidence *evidence)
 {
-    for (size_t c = 0; c < network->count; c++) {
-        size_t row = network->contact[c].row, w;
-        double variance = 0;
-        int at = 0;
-        add_grain(packing, row, (size_t)packing->contacts.i[row], 1, stiffness, body, evidence, c, &at);
-        if (packing_is_wall(packing, row, &w))
-            add_share(evidence, c, &at, body[packing->grains.count + w].radius,
-                      stiffness * error_of(packing->walls.s_offset, w));
-        else
-            add_grain(packing, row, (size_t)packing->contacts.j[row], -1, stiffness, body, evidence, c, &at);
-        for (int k = 0; k < at; k++)
-            variance += evidence->share[c][k] * evidence->share[c][k];
-        double whole = stiffness * error_of(packing->contacts.s_overlap, row);
-        evidence->slack[c] = fmax(LEAST_SLACK * LEAST_SLACK, whole * whole - variance);
-    }
+    size_t row = network->contact[c].row, w;
+    double variance = 0;
+    int at = 0;
+    add_grain(packing, row, (size_t)packing->contacts.i[row], 1, stiffness, body, evidence, c, &at);
+    if (packing_is_wall(packing, row, &w))
+        add_share(evidence, c, &at, body[packing->grains.count + w].radius,
+                  stiffness * error_of(packing->walls.s_offset, w));
+    else
+        add_grain(packing, row, (size_t)packing->contacts.j[row], -1, stiffness, body, evidence, c, &at);
+    for (int k = 0; k < at; k++)
+        variance += evidence->share[c][k] * evidence->share[c][k];
+    double whole = stiffness * error_of(packing->contacts.s_overlap, row);
+    evidence->slack[c] = fmax(LEAST_SLACK * LEAST_SLACK, whole * whole - variance);
 }
 
-/* kn overlap, negative where there is a gap. */
-static int fill_measured(const struct packing *packing, const struct network *network, double stiffness,
-                         struct evidence *evidence)
+/* The force of each overlap, negative where there is a gap, along the law's tangent there; a law whose stiffness grows
+ * from zero is taken along its tangent at the overlap's standard error where the overlap is smaller than that. */
+static struct elastic_tangent tangent_at(const struct packing *packing, const struct contact_law *law, size_t row)
 {
-    for (size_t c = 0; c < network->count; c++) {
-        double overlap = packing->contacts.overlap[network->contact[c].row];
-        if (!isfinite(overlap))
-            return error_input("contact %zu has an overlap that is not finite: run contacts again, or flag the row",
-                               network->contact[c].row);
-        evidence->measured[c] = stiffness * overlap;
-    }
-    return 0;
+    double overlap = packing->contacts.overlap[row];
+    struct contact_pair pair = elastic_pair(packing, law, row);
+    double at = law->kind == LAW_LINEAR ? overlap : fmax(overlap, error_of(packing->contacts.s_overlap, row));
+    struct elastic_tangent tangent = elastic_tangent(law, &pair, at);
+    tangent.force += tangent.stiffness * (overlap - fmax(0, at));
+    return tangent;
 }
 
-/* kn / <fn> such that the virial of the overlaps is that of the loads, when asked. */
-static double stiffness_in_units(const struct packing *packing, const struct network *network,
-                                 const struct force_options *options)
+/* What the forces of overlaps must be multiplied by so that their virial is that of the loads, when asked. */
+static double scale_to_loads(const struct packing *packing, const struct network *network,
+                             const struct force_options *options)
 {
-    double stiffness = options->law.kn / network->force, virial = 0;
+    double virial = 0;
     if (!options->rescale || !isfinite(network->virial))
-        return stiffness;
+        return 1;
     for (size_t c = 0; c < network->count; c++) {
         size_t row = network->contact[c].row;
         int candidate = packing->contacts.flags && (packing->contacts.flags[row] & CONTACT_CANDIDATE);
-        if (candidate || !isfinite(packing->contacts.overlap[row]))
-            continue;
-        virial += stiffness * packing->contacts.overlap[row] * network->contact[c].length;
+        if (!candidate && isfinite(packing->contacts.overlap[row]))
+            virial += tangent_at(packing, &options->law, row).force / network->force * network->contact[c].length;
     }
-    return virial > 0 ? stiffness * network->virial / virial : stiffness;
+    return virial > 0 ? network->virial / virial : 1;
 }
 
 static int fill_overlaps(const struct packing *packing, const struct network *network,
                          const struct force_options *options, struct evidence *evidence)
 {
-    double stiffness = stiffness_in_units(packing, network, options);
     struct unknowns *body = malloc((packing->grains.count + packing->walls.count + 1) * sizeof *body);
     if (!body)
         return error_memory("overlap errors");
-    int status = fill_measured(packing, network, stiffness, evidence);
-    if (!status) {
-        number_errors(packing, evidence, body);
-        fill_shares(packing, network, stiffness, body, evidence);
+    double scale = scale_to_loads(packing, network, options) / network->force;
+    int status = 0;
+    number_errors(packing, evidence, body);
+    for (size_t c = 0; c < network->count && !status; c++) {
+        size_t row = network->contact[c].row;
+        struct elastic_tangent tangent = tangent_at(packing, &options->law, row);
+        if (!isfinite(tangent.force))
+            status =
+                error_input("contact %zu has an overlap that is not finite: run contacts again, or flag the row", row);
+        evidence->measured[c] = scale * tangent.force;
+        fill_share(packing, network, c, scale * tangent.stiffness, body, evidence);
     }
     free(body);
     return status;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/elastic.h"
 #include "forces/sample.h"
 #include "pipeline/error.h"
 #include "pipeline/stress.h"
@@ -16,13 +17,13 @@ const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
 
 static int stiffness_given(const struct force_options *options)
 {
-    return isfinite(options->law.kn) && options->law.kn > 0;
+    return elastic_known(&options->law);
 }
 
 static int check_options(const struct force_options *options, enum force_method method)
 {
     if (method != METHOD_CDM && !stiffness_given(options))
-        return error_input("no contact stiffness: method %s needs the scene's contact.kn_N_per_m",
+        return error_input("no contact stiffness: method %s needs the scene's contact.kn_N_per_m or young_Pa",
                            FORCE_METHODS[method]);
     if (!(options->law.kt_over_kn >= 0) || !isfinite(options->law.kt_over_kn))
         return error_input("contact.kt_over_kn must be a number of 0 or more");

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/elastic.h"
 #include "pipeline/error.h"
 
 /* Scale the forces of overlaps so that their virial is that of the loads, where that is known. */
@@ -20,7 +21,7 @@ static void rescale_to_loads(const struct network *network, double *f)
 static int from_overlap(const struct packing *packing, const struct network *network,
                         const struct force_options *options, double *f)
 {
-    if (!isfinite(options->law.kn) || options->law.kn <= 0)
+    if (!elastic_known(&options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m, or start from zero or mean");
     if (!packing->contacts.overlap)
         return error_input("the contacts have no overlaps: run contacts again, or start from zero or mean");
@@ -29,7 +30,8 @@ static int from_overlap(const struct packing *packing, const struct network *net
         if (!isfinite(overlap))
             return error_input("contact %zu has an overlap that is not finite: run contacts again, or flag the row",
                                network->contact[c].row);
-        f[2 * c] = fmax(0, options->law.kn * overlap) / network->force;
+        struct contact_pair pair = elastic_pair(packing, &options->law, network->contact[c].row);
+        f[2 * c] = contact_pair_force(&options->law, &pair, overlap) / network->force;
         f[2 * c + 1] = 0;
     }
     if (options->rescale)
@@ -127,7 +129,7 @@ int cem_forces(const struct packing *packing, const struct network *network, con
 {
     const struct contacts *contacts = &packing->contacts;
     struct contact_law law = options->law;
-    if (!isfinite(law.kn) || law.kn <= 0)
+    if (!elastic_known(&law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
     if (options->previous ? from_previous(packing, network, options->previous, METHOD_CEM, f)
                           : from_overlap(packing, network, options, f))
@@ -139,7 +141,8 @@ int cem_forces(const struct packing *packing, const struct network *network, con
         double dut = options->previous ? motion(contacts->dut, row) : motion(contacts->ut, row);
         if (!isfinite(dun) || !isfinite(dut)) /* a new contact: its first increment is not known */
             dun = dut = 0;
-        contact_law_advance(&law, network->contact[c].mu, dun, dut, &fn, &ft);
+        struct contact_pair pair = elastic_pair(packing, &law, row);
+        elastic_advance(&law, &pair, network->contact[c].mu, dun, dut, &fn, &ft);
         f[2 * c] = fn / network->force;
         f[2 * c + 1] = ft / network->force;
     }
@@ -152,7 +155,8 @@ int start_forces(const struct packing *packing, const struct network *network, c
     memset(f, 0, 2 * network->count * sizeof *f);
     switch (options->start) {
     case START_DEFAULT:
-        return isfinite(options->law.kn) && packing->contacts.overlap ? from_overlap(packing, network, options, f) : 0;
+        return elastic_known(&options->law) && packing->contacts.overlap ? from_overlap(packing, network, options, f)
+                                                                         : 0;
     case START_ZERO:
         return 0;
     case START_MEAN:

@@ -179,12 +179,43 @@ static void strongest_contacts_lost(void **state)
     packing_free(&packing);
 }
 
+/* Contacts after Hertz: the stiffness of each depends on its radii and its force. Overlaps alone give back the normal
+ * forces of the virtual packing, and cem from them, without motion, leaves them as they are. */
+static void nonlinear_law(void **state)
+{
+    (void)state;
+    struct packing packing = {0};
+    struct simulation simulation = SIMULATION_DEFAULT;
+    struct force_options options = usual();
+    const struct grade grading[] = {{30, 8e-3}, {16, 12e-3}, {14, 14e-3}};
+    struct contact_law law = {.kind = LAW_HERTZ_MINDLIN, .kn = NAN, .mu = 0.5, .young = 1e9, .poisson = 0.3};
+    law.kt_over_kn = 2 * (1 - law.poisson) / (2 - law.poisson);
+    simulation.grading = grading, simulation.grade_count = 3;
+    simulation.law = options.law = law;
+    simulation.pressure = 60;
+    simulation.tolerance = 1e-7;
+    check_done(simulate(&simulation, keep_state, &packing));
+    const double *truth = packing.forces[0].contact.fn;
+    static const enum force_method methods[] = {METHOD_CEM, METHOD_MAP};
+    for (int k = 0; k < 2; k++) {
+        struct forces forces;
+        options.start = START_OVERLAP;
+        check_done(infer_forces(&packing, &options, methods[k], &forces));
+        for (size_t c = 0; c < packing.contacts.count; c++)
+            if (forces.contact.status[c] != STATUS_NOT_USED)
+                check_near(forces.contact.fn[c], truth[c], (k ? 1e-2 : 1e-6) * mean_truth(&packing));
+        assert_true(k == 0 || forces.converged);
+        forces_free(&forces);
+    }
+    packing_free(&packing);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nearly_rigid_grains),     cmocka_unit_test(radii_of_twenty_to_one),
         cmocka_unit_test(noise_of_body_forces),    cmocka_unit_test(wall_mass_is_no_part_of_the_answer),
-        cmocka_unit_test(strongest_contacts_lost),
+        cmocka_unit_test(strongest_contacts_lost), cmocka_unit_test(nonlinear_law),
     };
     return cmocka_run_group_tests(tests, draw_usual, forget);
 }
