@@ -80,7 +80,7 @@ static void scan_ray(const struct level *level, const struct rim *place, double 
         double r = first + k * step;
         profile[k] = level_at(level, place->x + r * rays->cos[ray], place->y + r * rays->sin[ray]);
     }
-    int half = (int)lround(1 / step);
+    int half = (int)lround(fmax(1, 1 / level->scale) / step); /* a magnified photo is no sharper for it */
     half = half < 1 ? 1 : half;
     for (int k = half; k < count - half; k++)
         fall[k] = (profile[k - half] - profile[k + half]) / contrast;

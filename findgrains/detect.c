@@ -18,8 +18,9 @@
 #define SURE_ONE_SIDED 0.5
 #define LEAST_GREY 0.2 /* of the contrast: a grain is at least that much brighter than the voids */
 #define MOST_ONE_SIDED 0.72
-#define GROWN 1.2         /* of the radius */
-#define FEW 0.005         /* of the sure grains so far: an octave with fewer is the last one */
+#define GROWN 1.2 /* of the radius */
+#define LIKELY_SUPPORT 0.5
+#define FEW 0.02          /* of the sure grains so far: an octave with fewer likely ones is the last */
 #define TILE_PIXELS 4.0e6 /* of the level for captures: bounds the memory */
 enum { AGAIN = 3, CHUNK = 256 };
 
@@ -109,7 +110,8 @@ static int capture_peak(const struct search *search, const struct octave *octave
             *found = other;
     }
     to_photo(&octave->fine, found);
-    return found->rim.radius >= octave->low / MARGIN && found->rim.radius <= octave->high * MARGIN &&
+    double slack = octave->fine.scale; /* a capture is not exact */
+    return found->rim.radius >= octave->low / MARGIN - slack && found->rim.radius <= octave->high * MARGIN + slack &&
            found->one_side <= MOST_ONE_SIDED;
 }
 
@@ -205,7 +207,7 @@ static int search_range(struct search *search, double low, double high)
     return 0;
 }
 
-/* An octave without sure grains has no others either. */
+/* An octave with hardly any likely grain has sure ones or none. */
 static void keep_sure(struct candidates *found, size_t first, size_t end)
 {
     size_t kept = first;
@@ -215,6 +217,14 @@ static void keep_sure(struct candidates *found, size_t first, size_t end)
     found->count = kept;
 }
 
+static size_t count_likely(const struct candidates *found, size_t first)
+{
+    size_t count = 0;
+    for (size_t k = first; k < found->count; k++)
+        count += found->items[k].support >= LIKELY_SUPPORT;
+    return count;
+}
+
 /* From the largest radius down while octaves show grains. */
 static int search_all(struct search *search, double range[2])
 {
@@ -222,14 +232,14 @@ static int search_all(struct search *search, double range[2])
     double high = fmax(2 * DETECT_SMALLEST, 0.5 * fmin(zone->x1 - zone->x0, zone->y1 - zone->y0));
     size_t empty = 0; /* found in the octaves before the first grain */
     range[1] = high;
-    for (; high > 1.5 * DETECT_SMALLEST; high /= 2) {
+    for (; high > 1.1 * DETECT_SMALLEST; high /= 2) {
         size_t sure = search->sure.count, found = search->found->count;
         range[0] = fmax(DETECT_SMALLEST, high / 2);
         if (search_octave(search, range[0], high))
             return -1;
         if (search->sure.count == 0)
             empty = search->found->count;
-        if (sure && (double)(search->sure.count - sure) <= FEW * (double)sure) {
+        if (sure && (double)count_likely(search->found, found) <= FEW * (double)sure) {
             keep_sure(search->found, found, search->found->count);
             break;
         }

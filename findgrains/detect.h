@@ -10,8 +10,8 @@
 #define DETECT_SMALLEST 3.0 /* px: radii below are never looked for unless they are given */
 
 /* Rims in photo coordinates, thinned. range: radii to look for, px; NaN: from half the zone's smaller side down to the
- * first octave that shows no sure grain while a larger one did (or DETECT_SMALLEST), and the range that was searched is
- * put there. `peaks` counts the places that were looked at. */
+ * first octave that shows hardly any grain while larger ones did (or DETECT_SMALLEST), and the range that was searched
+ * is put there. `peaks` counts the places that were looked at. */
 int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels, double range[2],
                   struct candidates *found, size_t *peaks);
 

@@ -2,6 +2,7 @@
 
 #include "findgrains/detect.h"
 #include "findgrains/measure.h"
+#include "findgrains/rim_looks.h"
 #include "findgrains/rims_table.h"
 #include "pipeline/error.h"
 
@@ -73,6 +74,25 @@ static void note(const struct rims_state *state, const struct rims *rims, struct
     notes->ellipses = state->ellipse;
 }
 
+/* Flags that need the photo. */
+static void look_at_rims(const struct photo *photo, const struct find_notes *notes, struct photo_grains *grains)
+{
+#pragma omp parallel for schedule(dynamic, 16)
+    for (size_t k = 0; k < grains->count; k++) {
+        struct rim rim = {.x = grains->x_px[k], .y = grains->y_px[k], .radius = grains->radius_px[k]};
+        if (grains->shape_c) {
+            rim.c2 = grains->shape_c[k];
+            rim.s2 = -grains->shape_s[k];
+        }
+        if (!isfinite(rim.x + rim.y + rim.radius))
+            continue;
+        if (rim_shows_flank(photo, &rim, &notes->levels, notes->blur_px))
+            grains->flags[k] |= GRAIN_FLANK;
+        if (rim_is_saturated(photo, &rim, notes->blur_px))
+            grains->flags[k] |= GRAIN_SATURATED;
+    }
+}
+
 /* Measure the candidates and put them into the table. */
 static int measure(const struct photo *photo, const struct find_options *options, const struct candidates *found,
                    int keep_all, struct photo_grains *grains, struct find_notes *notes)
@@ -86,8 +106,26 @@ static int measure(const struct photo *photo, const struct find_options *options
         note(&state, &rims, notes);
         status = rims_table(&notes->zone, &state, &rims, keep_all, grains);
     }
+    if (!status)
+        look_at_rims(photo, notes, grains);
     rims_free(&rims);
     return status;
+}
+
+/* Without a frame from the scene: that which the grains lean against, if there is one. */
+static int look_for_frame(const struct photo *photo, const struct find_options *options, struct photo_grains *grains,
+                          struct find_notes *notes)
+{
+    if (options->has_frame)
+        return 0;
+    if (find_frame(grains, &notes->frame))
+        return -1;
+    if (!notes->frame.found)
+        return 0;
+    if (zone_make(photo->width, photo->height, notes->frame.corners, notes->frame.corner_radius, &notes->zone))
+        return -1;
+    find_frame_flag(&notes->zone, grains);
+    return 0;
 }
 
 int find_grains(const struct photo *photo, const struct find_options *options, struct photo_grains *grains,
@@ -107,6 +145,8 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
         status = corrections_apply(options->corrections, &found);
     if (!status)
         status = measure(photo, options, &found, 0, grains, notes);
+    if (!status)
+        status = look_for_frame(photo, options, grains, notes);
     candidates_free(&found);
     return status;
 }

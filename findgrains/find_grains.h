@@ -5,6 +5,7 @@
 
 #include "pipeline/grains.h"
 #include "findgrains/corrections.h"
+#include "findgrains/find_frame.h"
 #include "pipeline/photo.h"
 #include "findgrains/threshold.h"
 #include "findgrains/zone.h"
@@ -35,6 +36,7 @@ struct find_notes {
     double window_px;                    /* half width of the fitted band */
     double correlation;                  /* factor on standard errors: neighbouring sectors err alike */
     int ellipses;                        /* were fitted */
+    struct found_frame frame;            /* when none was given */
     size_t candidates, captured;
 };
 

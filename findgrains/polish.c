@@ -1,6 +1,7 @@
 #include "findgrains/polish.h"
 
 #include "findgrains/median.h"
+#include "findgrains/sample.h"
 
 #include <math.h>
 
@@ -16,19 +17,6 @@ struct place {
     double dx, dy, r; /* unit vector and distance from the rim's centre of the steepest fall */
     double weight;
 };
-
-/* Bilinear; the photo's border is repeated. */
-static double grey_at(const struct photo *photo, double x, double y)
-{
-    double xm = photo->width - 1.001, ym = photo->height - 1.001;
-    x = x < 0 ? 0 : x > xm ? xm : x;
-    y = y < 0 ? 0 : y > ym ? ym : y;
-    int i = (int)x, j = (int)y;
-    double fx = x - i, fy = y - j;
-    const uint16_t *p = photo_row(photo, j) + i, *q = j + 1 < photo->height ? photo_row(photo, j + 1) + i : p;
-    double top = p[0] + fx * (p[1] - p[0]), bottom = q[0] + fx * (q[1] - q[0]);
-    return top + fy * (bottom - top);
-}
 
 /* The steepest fall over `arm` samples (1 px apart) on both sides; 0: none. */
 static int steepest(const double *profile, int count, int arm, double faintest, double *at, double *fall)
@@ -72,7 +60,7 @@ static int find_places(const struct photo *photo, const struct rim *rim, double 
     for (int ray = 0; ray < *rays; ray++) {
         double c = cos(2 * M_PI * ray / *rays), s = sin(2 * M_PI * ray / *rays), at, fall;
         for (int k = 0; k < length; k++)
-            profile[k] = grey_at(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
+            profile[k] = sample_grey(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
         if (steepest(profile, length, arm, FAINTEST * contrast, &at, &fall))
             places[count++] = (struct place){c, s, first + at, fmin(1, 2 * fall / contrast)};
     }

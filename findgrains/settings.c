@@ -72,6 +72,19 @@ char *settings_print(const struct find_options *options)
     return printed(object);
 }
 
+static void add_found_frame(cJSON *object, const struct found_frame *found)
+{
+    cJSON *frame = cJSON_AddObjectToObject(object, "frame"), *corners = cJSON_AddArrayToObject(frame, "corners_px");
+    cJSON *errors = cJSON_AddArrayToObject(frame, "s_corners_px");
+    for (int k = 0; k < 4; k++) {
+        double corner[2] = {found->corners[k].x, found->corners[k].y};
+        cJSON_AddItemToArray(corners, cJSON_CreateDoubleArray(corner, 2));
+        cJSON_AddItemToArray(errors, cJSON_CreateDoubleArray(found->s_corners[k], 2));
+    }
+    add_number(frame, "corner_radius_px", found->corner_radius);
+    cJSON_AddItemToObject(frame, "touching", cJSON_CreateIntArray(found->touching, 4));
+}
+
 char *settings_print_notes(const struct find_notes *notes)
 {
     cJSON *object = cJSON_CreateObject();
@@ -86,5 +99,7 @@ char *settings_print_notes(const struct find_notes *notes)
     add_number(object, "window_px", notes->window_px);
     add_number(object, "correlation", notes->correlation);
     cJSON_AddBoolToObject(object, "ellipses", notes->ellipses);
+    if (notes->frame.found)
+        add_found_frame(object, &notes->frame);
     return printed(object);
 }
