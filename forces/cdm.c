@@ -8,6 +8,7 @@
 
 #include "pipeline/error.h"
 
+enum { CDM_W = 5 /* Wnn, Wnt, Wtt, 1 / Wnn, 1 / Wtt */ };
 enum { CDM_SWEEPS = 20000, CDM_LOOK = 20 /* sweeps between two looks at the imbalance */, CDM_PATIENCE = 4000 };
 
 void cdm_contact(const double w[3], double mu, double un, double ut, double relaxation, double *fn, double *ft)
@@ -30,7 +31,7 @@ void cdm_contact(const double w[3], double mu, double un, double ut, double rela
 }
 
 /* The inverse mass matrix of each contact (thesis 2.14), from the equations themselves. */
-static void fill_w(const struct network *network, double (*w)[3])
+static void fill_w(const struct network *network, double (*w)[CDM_W])
 {
     for (size_t c = 0; c < network->count; c++) {
         const struct network_contact *contact = &network->contact[c];
@@ -43,6 +44,8 @@ static void fill_w(const struct network *network, double (*w)[3])
         }
         if (fabs(w[c][1]) < 1e-12 * (w[c][0] + w[c][2]))
             w[c][1] = 0; /* discs: exactly diagonal (thesis 2.19) */
+        w[c][3] = w[c][0] > 0 ? 1 / w[c][0] : 0;
+        w[c][4] = w[c][2] > 0 ? 1 / w[c][2] : 0;
     }
 }
 
@@ -57,8 +60,18 @@ static int needs_correction(const struct network_contact *contact, const double 
     return fabs(ut) > eps && !sliding;
 }
 
+/* cdm_contact() for a diagonal W, with its inverse at hand: a division costs as much as the rest of a contact. */
+static void diagonal_contact(const double inverse[2], double mu, double un, double ut, double relaxation, double *fn,
+                             double *ft)
+{
+    double n = *fn - relaxation * un * inverse[0], t = mu > 0 ? *ft - relaxation * ut * inverse[1] : 0;
+    *fn = n > 0 ? n : 0;
+    double most = mu * *fn;
+    *ft = t > most ? most : t < -most ? -most : t;
+}
+
 /* One sweep over all contacts; returns how many were corrected. unbalance: resultant on each degree of freedom. */
-static size_t sweep(const struct network *network, const struct force_options *options, const double (*w)[3],
+static size_t sweep(const struct network *network, const struct force_options *options, const double (*w)[CDM_W],
                     const double *held, double *f, double *unbalance)
 {
     size_t corrected = 0;
@@ -72,7 +85,10 @@ static size_t sweep(const struct network *network, const struct force_options *o
         }
         if (!needs_correction(contact, &f[2 * c], un, ut, options->thickness))
             continue;
-        cdm_contact(w[c], contact->mu, un, ut, options->relaxation, &fn, &ft);
+        if (w[c][1] == 0)
+            diagonal_contact(w[c] + 3, contact->mu, un, ut, options->relaxation, &fn, &ft);
+        else
+            cdm_contact(w[c], contact->mu, un, ut, options->relaxation, &fn, &ft);
         if (options->fix == FIX_NORMAL) {
             fn = held[2 * c];
             ft = fmax(-contact->mu * fn, fmin(contact->mu * fn, ft));
@@ -112,7 +128,7 @@ static void look(const struct network *network, const double *f, double *unbalan
 /* Sweeps until the imbalance is below the tolerance, two sweeps in a row corrected nothing (thesis 2.33), it has not
  * improved for CDM_PATIENCE sweeps, or the limit is reached. The resultants are recomputed at every look, so that
  * rounding does not add up. */
-static void iterate(const struct network *network, const struct force_options *options, const double (*w)[3],
+static void iterate(const struct network *network, const struct force_options *options, const double (*w)[CDM_W],
                     const double *held, double *f, double *unbalance, struct best *best, struct outcome *outcome)
 {
     int limit = options->iterations > 0 ? options->iterations : CDM_SWEEPS, quiet = 0, done = 0;
@@ -131,7 +147,7 @@ static void iterate(const struct network *network, const struct force_options *o
 
 int cdm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
 {
-    double(*w)[3] = malloc((network->count + 1) * sizeof *w);
+    double(*w)[CDM_W] = malloc((network->count + 1) * sizeof *w);
     double *unbalance = malloc((network->dofs + 1) * sizeof *unbalance);
     double *held = malloc((2 * network->count + 1) * sizeof *held);
     struct best best = {malloc((2 * network->count + 1) * sizeof *best.f), INFINITY, 0};
@@ -143,7 +159,7 @@ int cdm_solve(const struct network *network, const struct force_options *options
         admit(network, options, held, f);
         memcpy(held, f, 2 * network->count * sizeof *held);
         fill_w(network, w);
-        iterate(network, options, (const double(*)[3])w, held, f, unbalance, &best, outcome);
+        iterate(network, options, (const double(*)[CDM_W])w, held, f, unbalance, &best, outcome);
     }
     free(w), free(unbalance), free(held), free(best.f);
     return status;
