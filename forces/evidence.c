@@ -42,6 +42,19 @@ static int evidence_alloc(size_t count, size_t dofs, struct evidence *evidence)
     return error_memory("overlap errors");
 }
 
+int evidence_blank(const struct network *network, struct evidence *evidence)
+{
+    if (evidence_alloc(network->count, network->dofs, evidence))
+        return -1;
+    for (size_t c = 0; c < network->count; c++) {
+        evidence->measured[c] = NAN;
+        evidence->probability[c] = evidence->variance[2 * c] = evidence->variance[2 * c + 1] = 1;
+        for (int k = 0; k < EVIDENCE_WIDTH; k++)
+            evidence->place[c][k] = -1;
+    }
+    return 0;
+}
+
 int evidence_copy(const struct evidence *from, struct evidence *to)
 {
     size_t n = from->count;
@@ -235,7 +248,7 @@ int evidence_build(const struct packing *packing, const struct network *network,
 {
     enum force_start start = options->start;
     int overlaps = packing->contacts.overlap && (start == START_OVERLAP || start == START_DEFAULT);
-    if (evidence_alloc(network->count, network->dofs, evidence))
+    if (evidence_blank(network, evidence))
         return -1;
     evidence->friction = overlaps;
     evidence->barrier = overlaps || start == START_ZERO || start == START_DEFAULT;
@@ -247,9 +260,6 @@ int evidence_build(const struct packing *packing, const struct network *network,
         /* exponentially spread fn: <fn^2> = 2 <fn>^2; ft on the edge of its cone, else evenly spread over it */
         evidence->variance[2 * c + 1] = fmax(1e-8, (overlaps ? 2 : 2.0 / 3) * fmin(1, mu * mu));
         evidence->probability[c] = closed(packing, network->contact[c].row);
-        evidence->measured[c] = NAN;
-        for (int k = 0; k < EVIDENCE_WIDTH; k++)
-            evidence->place[c][k] = -1;
     }
     doubt_neighbours(packing, network, evidence);
     if (overlaps && fill_overlaps(packing, network, options, evidence)) {

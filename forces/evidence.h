@@ -29,6 +29,8 @@ struct evidence {
  * overlaps (previous, file, cem) is the prior. f: the start forces. */
 int evidence_build(const struct packing *packing, const struct network *network, const struct force_options *options,
                    const double *f, struct evidence *evidence);
+/* Nothing is known: no overlaps, no belief yet, every contact certain. */
+int evidence_blank(const struct network *network, struct evidence *evidence);
 int evidence_copy(const struct evidence *from, struct evidence *to);
 void evidence_free(struct evidence *evidence); /* accepts a zeroed struct */
 

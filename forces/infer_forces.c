@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/certificate.h"
 #include "forces/elastic.h"
 #include "forces/sample.h"
 #include "pipeline/error.h"
@@ -172,6 +173,23 @@ static int store(const struct packing *packing, const struct network *network, c
     return 0;
 }
 
+/* Are the loads infeasible? Then the ray that proves it stands in the result. */
+static int prove(const struct network *network, const struct force_options *options, struct forces *forces)
+{
+    double *y = calloc(network->dofs + 1, sizeof *y), least_sum = 0;
+    int status = y ? certificate_find(network, options, y, &least_sum) : error_memory("certificate");
+    forces->infeasible = !status && certificate_holds(network, least_sum);
+    if (forces->infeasible && !(status = table_alloc(&RAYS, &forces->ray, network->grains, NULL)))
+        for (size_t k = 0; k < network->grains; k++)
+            if (network->grain_dof[k] >= 0) {
+                const double *of_grain = y + network->grain_dof[k];
+                forces->ray.ray_x[k] = of_grain[0], forces->ray.ray_y[k] = of_grain[1];
+                forces->ray.ray_m[k] = of_grain[2];
+            }
+    free(y);
+    return status;
+}
+
 static int infer(const struct packing *packing, const struct network *network, const struct force_options *options,
                  enum force_method method, struct forces *forces)
 {
@@ -184,6 +202,8 @@ static int infer(const struct packing *packing, const struct network *network, c
     else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
              !judge(packing, network, options, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
+    if (!status && method == METHOD_MAP && !outcome.converged)
+        status = prove(network, options, forces);
     if (!status && spread.s_fn)
         status = store_spread(network, &spread, &forces->contact);
     spread_free(&spread);

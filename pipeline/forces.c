@@ -22,14 +22,24 @@ static const struct column residual_columns[] = {
     COLUMN(struct residuals, residual_m, COLUMN_DOUBLE, "N m", "unbalanced moment on the grain, counter-clockwise"),
 };
 
+static const struct column ray_columns[] = {
+    COLUMN(struct rays, ray_x, COLUMN_DOUBLE, "1", "motion of the grain that proves the loads infeasible, to the right"),
+    COLUMN(struct rays, ray_y, COLUMN_DOUBLE, "1", "the same, upwards"),
+    COLUMN(struct rays, ray_m, COLUMN_DOUBLE, "1", "the same, rotation times mean radius"),
+};
+
 const struct table_kind CONTACT_FORCES = {force_columns, sizeof force_columns / sizeof *force_columns,
                                           offsetof(struct contact_forces, count), NULL};
 const struct table_kind RESIDUALS = {residual_columns, sizeof residual_columns / sizeof *residual_columns,
                                      offsetof(struct residuals, count), NULL};
 
+const struct table_kind RAYS = {ray_columns, sizeof ray_columns / sizeof *ray_columns, offsetof(struct rays, count),
+                                NULL};
+
 void forces_free(struct forces *forces)
 {
     table_free(&CONTACT_FORCES, &forces->contact);
     table_free(&RESIDUALS, &forces->residual);
+    table_free(&RAYS, &forces->ray);
     memset(forces, 0, sizeof *forces);
 }

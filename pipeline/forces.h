@@ -24,6 +24,14 @@ struct residuals {
 };
 extern const struct table_kind RESIDUALS;
 
+/* Motion of each grain that proves that no admissible forces balance the loads (docs/forces.md). */
+struct rays {
+    size_t count;
+    double *ray_x, *ray_y; /* 1 */
+    double *ray_m;         /* 1: rotation times the mean radius */
+};
+extern const struct table_kind RAYS;
+
 /* What a random walk over admissible forces has seen, means over the contacts, of fn and of ft (thesis 3.8, 3.9). */
 struct walk_summary {
     double states;      /* 0: no walk */
@@ -37,8 +45,10 @@ struct forces {
     char start[NAME_LENGTH];  /* how it was started */
     struct contact_forces contact;
     struct residuals residual;
+    struct rays ray; /* empty unless infeasible */
     int iterations;
     int converged;
+    int infeasible; /* proved: no admissible forces balance the loads */
     double imbalance;    /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
     double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
     double kn, kt;       /* N/m, as used; NaN when not used */

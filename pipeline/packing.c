@@ -122,11 +122,12 @@ static int read_tables(const struct state *state, const char *path, struct packi
 
 static int read_attributes(const struct state *state, const char *group, struct forces *forces)
 {
-    double iterations = 0, converged = 0, stress[4] = {NAN, NAN, NAN, NAN};
+    double iterations = 0, converged = 0, infeasible = 0, stress[4] = {NAN, NAN, NAN, NAN};
     forces->imbalance = forces->kn = forces->kt = forces->mu = forces->misfit[0] = forces->misfit[1] = NAN;
     if (state_read_text(state, group, "start", forces->start, sizeof forces->start) < 0 ||
         state_read_numbers(state, group, "iterations", &iterations, 1) < 0 ||
         state_read_numbers(state, group, "converged", &converged, 1) < 0 ||
+        state_read_numbers(state, group, "infeasible", &infeasible, 1) < 0 ||
         state_read_numbers(state, group, "residual", &forces->imbalance, 1) < 0 ||
         state_read_numbers(state, group, "stress", stress, 4) < 0 ||
         state_read_numbers(state, group, "kn", &forces->kn, 1) < 0 ||
@@ -140,6 +141,7 @@ static int read_attributes(const struct state *state, const char *group, struct 
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
+    forces->infeasible = infeasible == 1;
     memcpy(forces->stress, stress, sizeof stress);
     return 0;
 }
@@ -154,7 +156,8 @@ static int read_method(const struct state *state, const char *path, const char *
     strcpy(forces->method, method);
     snprintf(group, sizeof group, "forces/%s", method);
     if (state_read(state, group, &CONTACT_FORCES, required, &forces->contact) ||
-        state_read(state, group, &RESIDUALS, NULL, &forces->residual) || read_attributes(state, group, forces))
+        state_read(state, group, &RESIDUALS, NULL, &forces->residual) ||
+        state_read(state, group, &RAYS, NULL, &forces->ray) || read_attributes(state, group, forces))
         return -1;
     if (forces->contact.count != packing->contacts.count)
         return error_input("%s: /%s has %zu forces for %zu contacts: make the file again", path, group,
@@ -221,13 +224,15 @@ static int write_walk(struct state_writer *writer, const char *group, const stru
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];
-    const double iterations = forces->iterations, converged = forces->converged;
+    const double iterations = forces->iterations, converged = forces->converged, infeasible = forces->infeasible;
     snprintf(group, sizeof group, "forces/%.*s", NAME_LENGTH, forces->method);
     return state_write(writer, group, &CONTACT_FORCES, &forces->contact) ||
                    state_write(writer, group, &RESIDUALS, &forces->residual) ||
+                   (forces->ray.count > 0 && state_write(writer, group, &RAYS, &forces->ray)) ||
                    state_write_text(writer, group, "start", forces->start) ||
                    state_write_numbers(writer, group, "iterations", &iterations, 1) ||
                    state_write_numbers(writer, group, "converged", &converged, 1) ||
+                   (forces->infeasible && state_write_numbers(writer, group, "infeasible", &infeasible, 1)) ||
                    state_write_numbers(writer, group, "residual", &forces->imbalance, 1) ||
                    state_write_numbers(writer, group, "stress", &forces->stress[0][0], 4) ||
                    state_write_numbers(writer, group, "kn", &forces->kn, 1) ||

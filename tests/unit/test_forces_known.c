@@ -114,6 +114,30 @@ static void admissible_starts_stay(void **state)
     packing_free(&packing);
 }
 
+/* The upper disc is pulled off the two lower ones: no pushing force balances that, and the proof is its motion upwards,
+ * which opens both contacts and gains work from the load. */
+static void pulled_off_is_infeasible(void **state)
+{
+    (void)state;
+    struct packing packing;
+    struct force_options options = options_with(5e7, 0.5);
+    struct forces forces;
+    three_discs(&packing);
+    options.start = START_ZERO;
+    check_done(infer_forces(&packing, &options, METHOD_MAP, &forces));
+    assert_int_equal(forces.infeasible, 0);
+    forces_free(&forces);
+    packing.grains.load_y[2] = 1530;
+    check_done(infer_forces(&packing, &options, METHOD_MAP, &forces));
+    assert_int_equal(forces.converged, 0);
+    assert_int_equal(forces.infeasible, 1);
+    assert_true(forces.ray.ray_y[2] > 0);
+    check_near(forces.ray.ray_x[2] / forces.ray.ray_y[2], 0, 1e-6);
+    check_near(forces.ray.ray_m[2] / forces.ray.ray_y[2], 0, 1e-6);
+    forces_free(&forces);
+    packing_free(&packing);
+}
+
 /* mu = 0: one solution, fn = P / (2 sin 45). */
 static void frictionless_discs_have_one_answer(void **state)
 {
@@ -284,6 +308,7 @@ int main(void)
         cmocka_unit_test(qsm_solves_the_three_discs_from_zero),
         cmocka_unit_test(cdm_solves_the_three_discs_from_zero),
         cmocka_unit_test(cdm_in_one_degree_of_freedom),
+        cmocka_unit_test(pulled_off_is_infeasible),
         cmocka_unit_test(admissible_starts_stay),
         cmocka_unit_test(frictionless_discs_have_one_answer),
         cmocka_unit_test(column_under_gravity),
