@@ -2,12 +2,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <threads.h>
 
 #include "pipeline/error.h"
 #include "tracker/simd.h"
 
-enum { CUBIC_TAPS = 8, QUINTIC_TAPS = 16, MAX_TAPS = 16, BLOCK = 64 };
+enum { CUBIC_TAPS = 8, QUINTIC_TAPS = 16, MAX_TAPS = 16, BLOCK = 32 };
 
 static int reach_of(enum bspline_order order)
 {
@@ -81,22 +82,30 @@ SIMD_CLONES static void load_grey(const struct photo *photo, int x0, int y0, int
     }
 }
 
-/* out[x] = sum over k of taps[|k|] in[x + k step], for x in [0, n). */
+/* out[x] = sum over k of taps[|k|] in[x + k step], for x in [0, n): BLOCK at a time, whose sums stay in registers; the
+ * last block goes back over the one before. */
 SIMD_CLONES static void filter_line(const float *in, ptrdiff_t step, int n, const float *taps, int reach, float *out)
 {
-    for (int begin = 0; begin < n; begin += BLOCK) {
-        int count = n - begin < BLOCK ? n - begin : BLOCK;
+    for (int next = 0; next < n && n >= BLOCK; next += BLOCK) {
+        int begin = next + BLOCK <= n ? next : n - BLOCK;
         float sum[BLOCK];
-        const float *middle = in + begin;
-        for (int x = 0; x < count; x++)
+        const float *middle = in + begin, *before = middle, *after = middle;
+        for (int x = 0; x < BLOCK; x++)
             sum[x] = taps[0] * middle[x];
         for (int k = 1; k <= reach; k++) {
-            const float *before = middle - k * step, *after = middle + k * step;
-            for (int x = 0; x < count; x++)
-                sum[x] += taps[k] * (before[x] + after[x]);
+            const float tap = taps[k];
+            before -= step;
+            after += step;
+            for (int x = 0; x < BLOCK; x++)
+                sum[x] += tap * (before[x] + after[x]);
         }
-        for (int x = 0; x < count; x++)
-            out[begin + x] = sum[x];
+        memcpy(out + begin, sum, sizeof sum);
+    }
+    for (int x = 0; x < n && n < BLOCK; x++) {
+        float sum = taps[0] * in[x];
+        for (int k = 1; k <= reach; k++)
+            sum += taps[k] * (in[x - k * step] + in[x + k * step]);
+        out[x] = sum;
     }
 }
 
