@@ -10,16 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_STEP 0.15 /* of the contrast: a sector with less has no edge */
 /* Of the noise, between grains and voids: noise alone, cut in two halves, gives 1.35. */
 #define LEAST_CONTRAST 2.0
-#define FIRST_BLUR 1.0   /* px, before it is estimated */
-#define FIRST_NOISE 0.03 /* of the contrast, before it is estimated */
-#define VOID_SPREAD 0.25 /* of the contrast: how far the void's level may be from its median */
 #define KNOWN_SPREAD 1.0 /* px: how far a known grain may be from where it is said to be */
-#define SECTOR 3.0       /* px along the rim */
-#define STILL 0.004      /* px of the last step: far below any standard error */
-#define ROUNDS 10
 
 static double mean_noise(const struct rims *rims)
 {
@@ -49,19 +42,6 @@ static int look_at(const struct photo *photo, const struct find_options *options
     if (!(contrast > 0))
         return no_grain("the photo has one grey level only");
     return contrast > LEAST_CONTRAST * notes->levels.noise ? 0 : no_grain("the photo shows noise only");
-}
-
-static struct rims_state first_guess(const struct grey_levels *levels)
-{
-    double contrast = levels->grain_level - levels->void_level;
-    return (struct rims_state){.blur = FIRST_BLUR,
-                               .window = 2.5 * FIRST_BLUR,
-                               .sector = SECTOR,
-                               .least_step = LEAST_STEP * contrast,
-                               .void_level = levels->void_level,
-                               .void_spread = VOID_SPREAD * contrast,
-                               .noise = FIRST_NOISE * contrast,
-                               .correlation = 1};
 }
 
 static void note(const struct rims_state *state, const struct rims *rims, struct find_notes *notes)
@@ -98,7 +78,7 @@ static int measure(const struct photo *photo, const struct find_options *options
                    int keep_all, struct photo_grains *grains, struct find_notes *notes)
 {
     struct rims rims = {0};
-    struct rims_state state = first_guess(&notes->levels);
+    struct rims_state state = rims_first_guess(&notes->levels);
     int status = -1;
     if (!rims_make(found, &rims) && !measure_rims(photo, &notes->zone, options->shape, keep_all, &state, &rims))
         status = measure_count(&rims) || keep_all ? 0 : no_grain("no bright disc with an edge around it");

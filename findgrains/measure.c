@@ -68,7 +68,14 @@ static int learn(const struct photo *photo, const struct zone *zone, enum find_s
         state->ellipse = 0;
         forget_shapes(rims);
     }
-    return rims_choose_window(photo, zone, state, rims, sample);
+    if (rims_choose_window(photo, zone, state, rims, sample))
+        return -1;
+    /* Specks widen edges: once their size is known, the blur proper. */
+    double band = state->window / state->blur;
+    if (state->texture > 0 && rims_estimate_blur(photo, zone, state, rims, sample))
+        return -1;
+    state->window = band * state->blur;
+    return 0;
 }
 
 int measure_rims(const struct photo *photo, const struct zone *zone, enum find_shape shape, int keep_all,

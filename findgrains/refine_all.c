@@ -7,7 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEIGHBOURS = 64, LAGS = 8, BLUR_SAMPLE = 24 };
+enum { NEIGHBOURS = 64, LAGS = 8, FEW = 24, BLUR_ROUNDS = 12 };
+#define LEAST_STEP 0.15  /* of the contrast: a sector with less has no edge */
+#define FIRST_BLUR 1.0   /* px, before it is estimated */
+#define FIRST_NOISE 0.03 /* of the contrast, before it is estimated */
+#define VOID_SPREAD 0.25 /* of the contrast: how far the void's level may be from its median */
+#define SECTOR 3.0       /* px along the rim */
 /* 95 % efficient for normal errors; narrower where specks make outliers. */
 #define TUKEY_PLAIN 4.685
 #define TUKEY_TEXTURED 3.5
@@ -15,6 +20,19 @@ enum { NEIGHBOURS = 64, LAGS = 8, BLUR_SAMPLE = 24 };
 #define PATIENCE 4
 #define LEAST_BLUR 0.5 /* px: a sharper photo is undersampled, and steps of the fit would overshoot */
 #define MOST_BLUR 8.0
+
+struct rims_state rims_first_guess(const struct grey_levels *levels)
+{
+    double contrast = levels->grain_level - levels->void_level;
+    return (struct rims_state){.blur = FIRST_BLUR,
+                               .window = 2.5 * FIRST_BLUR,
+                               .sector = SECTOR,
+                               .least_step = LEAST_STEP * contrast,
+                               .void_level = levels->void_level,
+                               .void_spread = VOID_SPREAD * contrast,
+                               .noise = FIRST_NOISE * contrast,
+                               .correlation = 1};
+}
 
 int rims_make(const struct candidates *found, struct rims *rims)
 {
@@ -213,37 +231,49 @@ int rims_sample(const struct rims *rims, size_t sample[RIMS_SAMPLE], struct rows
     return 0;
 }
 
-/* Blur and places of the sample in turn: each is only right once the other is. */
+/* One round: places, then the blur's error from them; NaN: no rim could be fitted. */
+static int blur_round(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims,
+                      struct rows rows, double *error)
+{
+    struct refined fitted[RIMS_SAMPLE];
+    struct edge_settings settings = settings_of(state);
+    settings.window = 3 * state->blur;
+    settings.damping = 0.7;
+    if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
+        return -1;
+    for (size_t k = 0; k < rows.count; k++)
+        if (fitted[k].support > 0)
+            rims->items[rows.list[k]].rim = fitted[k].rim;
+    settings.fit_blur = 1;
+    settings.window = 3.5 * state->blur;
+    settings.sector = 2 * state->sector;
+    if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
+        return -1;
+    *error = median_member(fitted, rows.count, offsetof(struct refined, blur_error));
+    if (isfinite(*error)) {
+        double step = fmin(0.5 * state->blur, fmax(-0.25 * state->blur, *error));
+        state->blur = fmin(MOST_BLUR, fmax(LEAST_BLUR, state->blur + step));
+    }
+    return 0;
+}
+
+/* Blur and places of the sample in turn: each is only right once the other is. A few rims bring it near, all of them
+ * to where it belongs: 1 % of the blur is as much as a hundredth of a pixel in all radii. */
 int rims_estimate_blur(const struct photo *photo, const struct zone *zone, struct rims_state *state, struct rims *rims,
                        struct rows rows)
 {
-    struct refined fitted[RIMS_SAMPLE];
-    size_t few[BLUR_SAMPLE];
-    for (size_t k = 0; k < BLUR_SAMPLE; k++)
-        few[k] = rows.count ? rows.list[k * rows.count / BLUR_SAMPLE] : 0;
-    if (rows.count > BLUR_SAMPLE)
-        rows = (struct rows){few, BLUR_SAMPLE, 0};
-    for (int round = 0; round < 10 && rows.count; round++) {
-        struct edge_settings settings = settings_of(state);
-        settings.window = 3 * state->blur;
-        settings.damping = 0.7;
-        if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
+    size_t few[FEW];
+    for (size_t k = 0; k < FEW && rows.count; k++)
+        few[k] = rows.list[k * rows.count / FEW];
+    struct rows part = rows.count > FEW ? (struct rows){few, FEW, 0} : rows;
+    double error = NAN;
+    for (int round = 0; round < BLUR_ROUNDS && rows.count; round++) {
+        if (blur_round(photo, zone, state, rims, part, &error))
             return -1;
-        for (size_t k = 0; k < rows.count; k++)
-            if (fitted[k].support > 0)
-                rims->items[rows.list[k]].rim = fitted[k].rim;
-        settings.fit_blur = 1;
-        settings.window = 3.5 * state->blur;
-        settings.sector = 2 * state->sector;
-        if (iterate(photo, zone, &settings, state->ellipse, 0, rims, rows, fitted))
-            return -1;
-        double error = median_member(fitted, rows.count, offsetof(struct refined, blur_error));
-        if (!isfinite(error))
+        if (!isfinite(error) || (part.count == rows.count && fabs(error) < 0.002 * state->blur))
             break;
-        double step = fmin(0.5 * state->blur, fmax(-0.25 * state->blur, error));
-        state->blur = fmin(MOST_BLUR, fmax(LEAST_BLUR, state->blur + step));
-        if (fabs(error) < 0.002 * state->blur)
-            break;
+        if (fabs(error) < 0.01 * state->blur)
+            part = rows;
     }
     return 0;
 }

@@ -3,6 +3,7 @@
 #define FINDGRAINS_REFINE_ALL_H
 
 #include "findgrains/refine_circle.h"
+#include "findgrains/threshold.h"
 
 struct rims {
     struct refined *items;
@@ -19,6 +20,8 @@ struct rims_state {
     int ellipse;
 };
 
+/* Before anything is learnt from the rims. */
+struct rims_state rims_first_guess(const struct grey_levels *levels);
 int rims_make(const struct candidates *found, struct rims *rims);
 void rims_free(struct rims *rims); /* accepts a zeroed struct */
 
@@ -28,7 +31,7 @@ struct rows {
     size_t count;
     int leave_still; /* leave out those that stand still */
 };
-enum { RIMS_SAMPLE = 64 };
+enum { RIMS_SAMPLE = 96 };
 #define RIMS_STILL 0.004 /* px of the last step: far below any standard error */
 
 struct rows rims_all(const struct rims *rims);

@@ -1,12 +1,15 @@
 /* findgrains on rendered photos: speed against error, beside what else finds circles and the bound of what can be
  * found.
  *
- *     bench_findgrains [--seed N] [--grains N] [--case NAME]... [--peers] [--json FILE] [--save FOLDER]
+ *     bench_findgrains [--seed N] [--grains N] [--case NAME]... [--peers] [--curve] [--unknown] [--json FILE]
+ *                      [--save FOLDER]
  *
  * A packing of N discs (proportions of the real grading, radii 67 to 167 px, or 14 to 35 px in the case "small") is
  * compressed by the virtual test and photographed by the virtual camera. Centre: RMS per coordinate. x: overlap of
  * true contacts along the branch, of the faces as drawn. Bound: Cramer-Rao for the visible rim (more than 1.2 blurs
- * from anything else) with known grey levels and white noise only. */
+ * from anything else) and white noise only, with known grey levels (k) and with levels of their own on both sides in
+ * every place, to be learnt from a band of 5 blurs on either side (u). --curve: band, sectors and number of iterations
+ * against time and error. --unknown: findgrains is not told the range of radii. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +17,10 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "findgrains/detect.h"
 #include "findgrains/find_grains.h"
+#include "findgrains/measure.h"
+#include "findgrains/rims_table.h"
 #include "pipeline/error.h"
 #include "pipeline/random.h"
 #include "simulation/render.h"
@@ -24,7 +30,7 @@
 struct bench {
     uint64_t seed;
     long grains;
-    int peers, first;
+    int peers, first, curve, unknown;
     FILE *json;
     const char *save;
     struct photo_grains truth; /* px, circles; the faces' shapes are drawn per case */
@@ -110,6 +116,8 @@ static void draw_shapes(struct photo_grains *grains, double ellipticity, uint64_
 
 /* ---- the score ---- */
 
+#define BAND 5.0 /* blurs: the widest that findgrains tries */
+
 struct score {
     size_t truth, found, wrong, contacts;
     double centre, radius, bias, overlap, ratio_centre, ratio_radius, bound_centre, bound_radius, cpu;
@@ -153,8 +161,9 @@ static void score_contacts(const struct photo_grains *truth, const struct photo_
     score->overlap = sqrt(score->overlap / (double)score->contacts);
 }
 
-/* Fisher information of (R, x, y) over the visible rim, inverted: J per length of rim = A^2 / (2 sqrt(pi) s noise^2).
- */
+/* Fisher information of (R, x, y) over the visible rim, inverted: J per length of rim = A^2 / (2 sqrt(pi) s noise^2),
+ * the integral of the bell's square. Levels that are unknown take away what of the bell is seen as a constant over the
+ * band of +-BAND blurs, 1 / (2 BAND) of 1 / (2 sqrt(pi)); the step is odd and takes nothing. */
 static void bound_of(const struct photo_grains *truth, size_t k, double per_length, double blur, double variance[3])
 {
     enum { STEPS = 256 };
@@ -217,9 +226,11 @@ static void score_grains(const struct photo_grains *truth, const struct photo_gr
 
 static void print_score(struct bench *bench, const char *photo, const char *method, const struct score *s)
 {
-    printf("%-12s %-18s %5.3f %4zu  %7.4f %7.4f %+8.4f  %7.4f  %5.2f %5.2f  %5.2f %5.2f  %6.2f\n", photo, method,
-           (double)s->found / (double)s->truth, s->wrong, s->centre, s->radius, s->bias, s->overlap, s->ratio_centre,
-           s->ratio_radius, s->centre / s->bound_centre, s->radius / s->bound_radius, s->cpu);
+    double u = sqrt(1 - sqrt(M_PI) / BAND); /* the bell projected off a constant over the band: see bound_of() */
+    printf("%-12s %-18s %5.3f %4zu  %7.4f %7.4f %+8.4f  %7.4f  %5.2f %5.2f  %5.2f %5.2f  %5.2f %5.2f  %6.2f\n", photo,
+           method, (double)s->found / (double)s->truth, s->wrong, s->centre, s->radius, s->bias, s->overlap,
+           s->ratio_centre, s->ratio_radius, s->centre / s->bound_centre, s->radius / s->bound_radius,
+           u * s->centre / s->bound_centre, u * s->radius / s->bound_radius, s->cpu);
     fflush(stdout);
     if (!bench->json)
         return;
@@ -274,8 +285,8 @@ static int run_findgrains(struct bench *bench, const char *name, const struct ph
     struct find_options options = FIND_OPTIONS_DEFAULT;
     struct photo_grains grains = {0};
     struct score score = {0};
-    options.radius_min_px = bench->low;
-    options.radius_max_px = bench->high;
+    options.radius_min_px = bench->unknown ? NAN : bench->low;
+    options.radius_max_px = bench->unknown ? NAN : bench->high;
     double begin = cpu_now();
     if (find_grains(photo, &options, &grains, NULL))
         return -1;
@@ -284,6 +295,76 @@ static int run_findgrains(struct bench *bench, const char *name, const struct ph
     print_score(bench, name, "findgrains", &score);
     table_free(&PHOTO_GRAINS, &grains);
     return 0;
+}
+
+/* One setting of the fine fit on rims that were detected before: CPU of the fit alone. */
+static int run_setting(struct bench *bench, const char *label, const struct photo *photo, const struct zone *zone,
+                       const struct candidates *found, const struct rims_state *state, int iterations,
+                       const struct photo_grains *truth, double per_length, double blur)
+{
+    struct rims rims = {0};
+    struct photo_grains grains = {0};
+    struct score score = {0};
+    double begin = cpu_now();
+    if (rims_make(found, &rims) || rims_approach(photo, zone, state, 1, &rims, rims_all(&rims)) ||
+        rims_iterate(photo, zone, state, iterations, &rims, rims_all(&rims)))
+        return -1;
+    score.cpu = cpu_now() - begin;
+    struct rims_state own = *state;
+    own.correlation = rims_correlation(&rims);
+    int status = rims_table(zone, &own, &rims, 0, &grains);
+    if (!status) {
+        score_grains(truth, &grains, per_length, blur, &score);
+        print_score(bench, "curve", label, &score);
+    }
+    table_free(&PHOTO_GRAINS, &grains);
+    rims_free(&rims);
+    return status;
+}
+
+/* Band, sectors and iterations around what the photo chose itself. */
+static int run_curve(struct bench *bench, const struct photo *photo, const struct photo_grains *truth,
+                     double per_length, double blur)
+{
+    static const double windows[] = {1.7, 2.5, 3.5, 5}, sectors[] = {1.5, 3, 6, 12};
+    static const int iterations[] = {0, 1, 2, 3, 5, 10};
+    struct zone zone;
+    struct grey_levels levels;
+    struct candidates found = {0};
+    struct rims rims = {0};
+    size_t peaks;
+    double range[2] = {bench->low, bench->high}, begin = cpu_now();
+    char label[64];
+    if (zone_make(photo->width, photo->height, NULL, 0, &zone) || threshold_find(photo, &zone, &levels) ||
+        detect_grains(photo, &zone, &levels, range, &found, &peaks))
+        return -1;
+    printf("detection: %.2f CPU s\n", cpu_now() - begin);
+    struct rims_state chosen = rims_first_guess(&levels);
+    begin = cpu_now();
+    if (rims_make(&found, &rims) || measure_rims(photo, &zone, FIND_SHAPE_AUTO, 0, &chosen, &rims))
+        return -1;
+    printf("measurement with what the photo chose (band %.2f blurs, texture %.1f): %.2f CPU s\n",
+           chosen.window / chosen.blur, chosen.texture, cpu_now() - begin);
+    rims_free(&rims);
+    int status = 0;
+    for (size_t k = 0; k < 4 && !status; k++) {
+        struct rims_state state = chosen;
+        state.window = windows[k] * chosen.blur;
+        snprintf(label, sizeof label, "band %.1f blurs", windows[k]);
+        status = run_setting(bench, label, photo, &zone, &found, &state, 10, truth, per_length, blur);
+    }
+    for (size_t k = 0; k < 4 && !status; k++) {
+        struct rims_state state = chosen;
+        state.sector = sectors[k];
+        snprintf(label, sizeof label, "sectors %.1f px", sectors[k]);
+        status = run_setting(bench, label, photo, &zone, &found, &state, 10, truth, per_length, blur);
+    }
+    for (size_t k = 0; k < 6 && !status; k++) {
+        snprintf(label, sizeof label, "%d iterations", iterations[k]);
+        status = run_setting(bench, label, photo, &zone, &found, &chosen, iterations[k], truth, per_length, blur);
+    }
+    candidates_free(&found);
+    return status;
 }
 
 static int run_case(struct bench *bench, const struct kind *kind)
@@ -314,6 +395,8 @@ static int run_case(struct bench *bench, const struct kind *kind)
     }
     if (!status)
         status = run_findgrains(bench, kind->name, &photo, &truth, per_length, blur);
+    if (!status && bench->curve)
+        status = run_curve(bench, &photo, &truth, per_length, blur);
     int shrink = kind->scale < 1 ? 1 : 4;
     if (!status && bench->peers) {
         run_peer(bench, kind->name, PEER_HOUGH_GRADIENT, shrink, &photo, &truth, per_length, blur);
@@ -344,8 +427,9 @@ static int run(struct bench *bench, int argc, char **argv)
         return -1;
     printf("%zu grains, %d x %d px, seed %llu; CPU seconds of one thread without decoding\n", bench->truth.count,
            bench->width, bench->height, (unsigned long long)bench->seed);
-    printf("photo        method             found false centre  radius      bias        x  err/s:c     r  err/bound:c "
-           "r    CPU\n");
+    printf(
+        "photo        method             found false centre  radius      bias        x  err/s:c     r  err/k:c     r  "
+        "err/u:c     r     CPU\n");
     for (const struct kind *kind = kinds; kind->name; kind++)
         if (chosen(argc, argv, kind->name) && run_case(bench, kind))
             return -1;
@@ -363,6 +447,10 @@ int main(int argc, char **argv)
             bench.grains = strtol(next, NULL, 10);
         else if (!strcmp(argv[k], "--peers"))
             bench.peers = 1;
+        else if (!strcmp(argv[k], "--curve"))
+            bench.curve = 1;
+        else if (!strcmp(argv[k], "--unknown"))
+            bench.unknown = 1;
         else if (!strcmp(argv[k], "--save"))
             bench.save = next;
         else if (!strcmp(argv[k], "--json"))
