@@ -5,10 +5,9 @@
 #include "contacts/cell_list.h"
 #include "pipeline/error.h"
 
-#define WINDOW_OF_RADIUS 0.02  /* gaps up to this share of the median radius tell the density of gaps */
-#define WINDOW_OF_ERROR 6.0    /* standard errors that the window must hold to see the density's shape */
-enum { ENOUGH_PAIRS = 50000 }; /* for the statistics; more would only cost time */
-#define SAME_PLACE 1e-6        /* centres nearer than this share of the radius are one grain found twice */
+#define WINDOW_OF_RADIUS 0.02 /* gaps up to this share of the median radius tell the density of gaps */
+#define WINDOW_OF_ERROR 6.0   /* standard errors that the window must hold to see the density's shape */
+#define SAME_PLACE 1e-6       /* centres nearer than this share of the radius are one grain found twice */
 
 static int by_value(const void *a, const void *b)
 {
@@ -81,46 +80,24 @@ static int measure_near(const struct grains *grains, const struct near_pairs *ne
     return 0;
 }
 
-static int learn(const struct grains *grains, const struct pairs *pairs, double window,
-                 struct pair_statistics *statistics)
-{
-    double *x = malloc((pairs->count + 1) * sizeof *x), *s = malloc((pairs->count + 1) * sizeof *s);
-    size_t n = 0;
-    if (x && s) {
-        size_t stride = pairs->count / ENOUGH_PAIRS + 1;
-        for (size_t p = 0; p < pairs->count; p += stride) {
-            const struct pair *pair = &pairs->pair[p];
-            if ((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST)
-                continue;
-            x[n] = pair->overlap;
-            s[n++] = pair->s_overlap;
-        }
-        pair_statistics_fit(x, s, n, window, NULL, statistics);
-    }
-    int status = x && s ? 0 : error_memory("overlaps");
-    free(x);
-    free(s);
-    return status;
-}
-
 int candidates_between_grains(const struct grains *grains, double sigmas, double reach, struct pairs *pairs,
-                              struct pair_statistics *statistics)
+                              double *window)
 {
     struct near_pairs near = {0};
-    double window = 0, margin = 0;
+    double margin = 0;
     unsigned char *skip = malloc(grains->count + 1);
     *pairs = (struct pairs){0};
     if (!skip)
         return error_memory("rows");
     for (size_t k = 0; k < grains->count; k++)
         skip[k] = (grains->flags[k] & GRAIN_NOT_FINITE) != 0;
-    int status = choose_window(grains, sigmas, reach, &window, &margin);
+    int status = choose_window(grains, sigmas, reach, window, &margin);
     if (status == 0)
         status = near_pairs_find(grains->x, grains->y, grains->radius, skip, grains->count, margin, &near);
     if (status == 0)
         status = measure_near(grains, &near, pairs);
-    if (status == 0)
-        status = learn(grains, pairs, window > 0 ? window : 1, statistics);
+    if (!(*window > 0))
+        *window = 1;
     if (status)
         pairs_free(pairs);
     near_pairs_free(&near);

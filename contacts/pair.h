@@ -2,6 +2,7 @@
 #ifndef CONTACTS_PAIR_H
 #define CONTACTS_PAIR_H
 
+#include "contacts/pair_statistics.h"
 #include "pipeline/geometry.h"
 #include "pipeline/grains.h"
 #include "pipeline/walls.h"
@@ -12,6 +13,7 @@ struct pair {
     struct vec at;    /* contact point: the middle of the overlap, m */
     double overlap;   /* R_i + R_j - d with the rim radii along the branch, m */
     double s_overlap; /* its standard error in this state: constant and photo errors together, m */
+    struct pair_odds odds;
 };
 
 /* Rim radius of a grain in the direction n (mean radius + shape), m. */

@@ -1,22 +1,37 @@
 #include "contacts/pair_statistics.h"
 
+#include <float.h>
 #include <math.h>
 
-enum { MAX_ROUNDS = 200, MAX_ROUNDS_NEAR = 25 };
-#define CONVERGED 1e-5 /* relative change of every number */
-#define LOG_ROOT_2PI 0.91893853320467274
+enum { MAX_ROUNDS = 300, FREE = 5 };
+#define CONVERGED 1e-4 /* change of a share, relative change of a scale */
+#define LEAST_FLAT 0.02
+#define LEAST_RESTING 1e-3 /* where the next fit starts: a share of zero would stay zero */
+#define WIDEST_RATIO 2.0   /* of the two scales: a narrow one would take the pairs at rest */
+#define LONGEST_STEP 32.0
+#define ROOT_2_OVER_PI 0.79788456080286536
+#define ROOT_PI_OVER_2 1.2533141373155003
 /* Pseudo-pairs: what is believed before any pair has been seen. */
 #define PRIOR_TOUCHING 2.0
 #define PRIOR_RESTING 0.2
 #define PRIOR_APART 1.0
 
-/* log Phi(z): normal distribution function; the tail by its asymptotic series (Abramowitz and Stegun 26.2.12). */
-static double log_phi(double z)
+double pair_mean_overlap(const struct pair_statistics *st)
 {
-    if (z > -12)
-        return log(0.5 * erfc(-z * M_SQRT1_2));
-    double q = 1 / (z * z);
-    return -0.5 * z * z - log(-z) - LOG_ROOT_2PI + log1p(-q * (1 - 3 * q * (1 - 5 * q)));
+    return st->flat * ROOT_2_OVER_PI * st->half + (1 - st->flat) * ROOT_PI_OVER_2 * st->hump;
+}
+
+#define ROOT_2PI 2.5066282746310002
+#define FAR 8.0 /* standard errors beyond which one of the cases alone is left */
+
+static double normal_density(double z)
+{
+    return exp(-0.5 * z * z) / ROOT_2PI;
+}
+
+static double normal_mass(double z)
+{
+    return z > FAR ? 1 : 0.5 * erfc(-z * M_SQRT1_2);
 }
 
 /* A position without any error still has rounding. */
@@ -25,43 +40,49 @@ static double usable_error(const struct pair_statistics *st, double s)
     return fmax(s, 1e-6 * st->window);
 }
 
-/* A normal variable of mean u and deviation s, cut at zero: its log mass, mean, and second moment. */
+/* The normal law of t given x under a scale, cut at zero: its mass and moments, each times N(x; 0, q). */
 struct cut_normal {
-    double log_mass, first, second;
+    double mass, first, second, third;
 };
 
-static struct cut_normal cut_normal(double u, double s)
+static struct cut_normal cut_normal(double scale, double x, double s)
 {
-    double z = u / s, log_mass = log_phi(z);
-    double hazard = exp(-0.5 * z * z - LOG_ROOT_2PI - log_mass);
-    double first = fmax(u + s * hazard, 1e-12 * s);
-    return (struct cut_normal){log_mass, first, fmax(u * first + s * s, first * first)};
+    double q2 = scale * scale + s * s, q = sqrt(q2), u = x * scale * scale / q2, v2 = scale * scale * s * s / q2;
+    double v = scale * s / q, z = u / v, density = normal_density(x / q) / q;
+    double mass = density * normal_mass(z), edge = z > FAR ? 0 : density * v * normal_density(z);
+    double first = fmax(u * mass + edge, 0), second = fmax(u * first + v2 * mass, 0);
+    return (struct cut_normal){mass, first, second, fmax(u * second + 2 * v2 * first, 0)};
 }
 
-static double log_touching(const struct pair_statistics *st, double x, double s, struct cut_normal *cut)
-{
-    double m = st->scale;
-    *cut = cut_normal(x - s * s / m, s);
-    double bracket = st->flat + (1 - st->flat) * cut->first / m;
-    return log(st->touching / m * bracket) + 0.5 * (s / m) * (s / m) - x / m + cut->log_mass;
-}
+/* The odds of one pair, and what the next round needs of it: the share of the half-normal law among what touches, and
+ * the mean of t^2 under both laws. */
+struct pair_moments {
+    struct pair_odds odds;
+    double flat, half_square, hump_square;
+};
 
-static struct pair_odds odds_and_moments(const struct pair_statistics *st, double x, double s, struct cut_normal *cut)
+static struct pair_moments moments_of(const struct pair_statistics *st, double x, double s)
 {
     s = usable_error(st, s);
-    double touching = log_touching(st, x, s, cut);
-    double resting = log(st->resting / s) - 0.5 * (x / s) * (x / s) - LOG_ROOT_2PI;
-    double apart = log(st->apart / st->window) + log_phi(-x / s);
-    double most = fmax(touching, fmax(resting, apart));
-    double sum = exp(touching - most) + exp(resting - most) + exp(apart - most);
-    return (struct pair_odds){exp(touching - most) / sum, exp(resting - most) / sum, exp(apart - most) / sum,
-                              most + log(sum)};
+    if (x < -FAR * s) /* apart for sure */
+        return (struct pair_moments){.odds = {0, 0, 1, log(st->apart / st->window)}};
+    if (x > 30 * fmax(st->half, fmax(st->hump, s))) /* squeezed for sure, beyond all that the density knows */
+        return (struct pair_moments){{1, 0, 0, -450}, st->flat, x * x, x * x};
+    struct cut_normal half = cut_normal(st->half, x, s), hump = cut_normal(st->hump, x, s);
+    double a = 2 * st->touching * st->flat * half.mass;
+    double b = ROOT_2PI * st->touching * (1 - st->flat) * hump.first / st->hump;
+    double resting = x > FAR * s ? 0 : st->resting * normal_density(x / s) / s;
+    double apart = x > FAR * s ? 0 : st->apart / st->window * normal_mass(-x / s);
+    double touching = fmax(a + b, DBL_MIN), sum = touching + resting + apart;
+    return (struct pair_moments){.odds = {touching / sum, resting / sum, apart / sum, log(sum)},
+                                 .flat = a / touching,
+                                 .half_square = half.mass > 0 ? half.second / half.mass : 0,
+                                 .hump_square = hump.first > 0 ? hump.third / hump.first : 0};
 }
 
 struct pair_odds pair_odds(const struct pair_statistics *statistics, double x, double s)
 {
-    struct cut_normal cut;
-    return odds_and_moments(statistics, x, s, &cut);
+    return moments_of(statistics, x, s).odds;
 }
 
 /* First guess: what is positive touches. */
@@ -82,55 +103,137 @@ static void first_guess(const double *x, const double *s, size_t count, struct p
     double mean = touching > 0 ? overlap / touching : 0.1 * st->window;
     mean = fmax(mean, fmax(st->pairs ? 0.25 * error / pairs : 0, 1e-6 * st->window));
     st->flat = 0.5;
-    st->scale = mean / (2 - st->flat);
+    st->half = st->hump = mean;
     st->resting = 0.05;
     st->touching = 0.95 * (touching + PRIOR_TOUCHING) / sum;
     st->apart = 0.95 * (pairs - touching + PRIOR_APART) / sum;
 }
 
-/* One round; the guess counts as PRIOR pairs. Returns the largest relative change. */
+/* The scales may differ by no more than WIDEST_RATIO; nor vanish. */
+static void bound_scales(struct pair_statistics *st)
+{
+    double middle = fmax(sqrt(st->half * st->hump), 1e-6 * st->window), ratio = sqrt(WIDEST_RATIO);
+    st->half = fmin(fmax(st->half, middle / ratio), middle * ratio);
+    st->hump = fmin(fmax(st->hump, middle / ratio), middle * ratio);
+    st->flat = fmin(fmax(st->flat, LEAST_FLAT), 1 - LEAST_FLAT);
+}
+
+/* One round; the guess counts as PRIOR pairs. Returns the largest change. log_likelihood is that of before. */
 static double improve(const double *x, const double *s, size_t count, const struct pair_statistics *guess,
                       struct pair_statistics *st)
 {
-    double touching = PRIOR_TOUCHING, resting = PRIOR_RESTING, apart = PRIOR_APART;
-    double overlap = touching * pair_mean_overlap(guess), flat = touching * guess->flat;
+    double touching = PRIOR_TOUCHING, resting = PRIOR_RESTING, apart = PRIOR_APART, flat = touching * guess->flat;
+    double half = flat * guess->half * guess->half, hump = 2 * (touching - flat) * guess->hump * guess->hump;
     st->log_likelihood = 0;
     for (size_t k = 0; k < count; k++) {
-        struct cut_normal cut;
         if (!(x[k] >= -st->window))
             continue;
-        struct pair_odds odds = odds_and_moments(st, x[k], s[k], &cut);
-        double w = st->flat / (st->flat + (1 - st->flat) * cut.first / st->scale);
-        touching += odds.touching;
-        resting += odds.resting;
-        apart += odds.apart;
-        flat += odds.touching * w;
-        overlap += odds.touching * (w * cut.first + (1 - w) * cut.second / cut.first);
-        st->log_likelihood += odds.log_density;
+        struct pair_moments pair = moments_of(st, x[k], s[k]);
+        touching += pair.odds.touching;
+        resting += pair.odds.resting;
+        apart += pair.odds.apart;
+        flat += pair.odds.touching * pair.flat;
+        half += pair.odds.touching * pair.flat * pair.half_square;
+        hump += pair.odds.touching * (1 - pair.flat) * pair.hump_square;
+        st->log_likelihood += pair.odds.log_density;
     }
     struct pair_statistics old = *st;
     double sum = touching + resting + apart;
     st->touching = touching / sum;
     st->resting = resting / sum;
     st->apart = apart / sum;
-    st->flat = fmin(fmax(flat / touching, 0.02), 0.98);
-    st->scale = fmax(overlap / touching / (2 - st->flat), 1e-6 * st->window);
-    return fmax(fmax(fabs(log(st->touching / old.touching)), fabs(log(st->apart / old.apart))),
-                fmax(fabs(log(st->scale / old.scale)), fabs(st->flat - old.flat)));
+    st->flat = flat / touching;
+    st->half = sqrt(half / flat);
+    st->hump = sqrt(0.5 * hump / (touching - flat));
+    bound_scales(st);
+    double shares = fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting));
+    double scales = fmax(fabs(log(st->half / old.half)), fabs(log(st->hump / old.hump)));
+    return fmax(shares, fmax(scales, fabs(st->flat - old.flat)));
+}
+
+/* The numbers as free ones: log ratios of the shares, logs of the scales, logit of flat. */
+static void to_free(const struct pair_statistics *st, double free[FREE])
+{
+    free[0] = log(st->touching / st->apart);
+    free[1] = log(st->resting / st->apart);
+    free[2] = log(st->half);
+    free[3] = log(st->hump);
+    free[4] = log(st->flat / (1 - st->flat));
+}
+
+static void from_free(const double free[FREE], struct pair_statistics *st)
+{
+    double touching = exp(free[0]), resting = exp(free[1]), sum = 1 + touching + resting;
+    st->touching = touching / sum;
+    st->resting = resting / sum;
+    st->apart = 1 / sum;
+    st->half = exp(free[2]);
+    st->hump = exp(free[3]);
+    st->flat = 1 / (1 + exp(-free[4]));
+    bound_scales(st);
+}
+
+/* Squared extrapolation (Varadhan and Roland 2008, scheme S3): two rounds tell where the row of rounds is going. */
+static void extrapolate(const double a[FREE], const double b[FREE], const double c[FREE], struct pair_statistics *st)
+{
+    double first = 0, second = 0, to[FREE];
+    for (int k = 0; k < FREE; k++) {
+        first += pow(b[k] - a[k], 2);
+        second += pow(c[k] - 2 * b[k] + a[k], 2);
+    }
+    double step = second > 0 ? fmin(fmax(1, sqrt(first / second)), LONGEST_STEP) : 1;
+    for (int k = 0; k < FREE; k++)
+        to[k] = a[k] + 2 * step * (b[k] - a[k]) + step * step * (c[k] - 2 * b[k] + a[k]);
+    from_free(to, st);
 }
 
 void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
                          const struct pair_statistics *start, struct pair_statistics *st)
 {
-    struct pair_statistics guess = {.window = window};
+    struct pair_statistics guess = {.window = window}, good;
+    double at[3][FREE];
     first_guess(x, s, count, &guess);
     *st = guess;
     if (start) {
         *st = *start;
         st->window = window;
         st->pairs = guess.pairs;
+        st->resting = fmax(st->resting, LEAST_RESTING);
     }
-    for (int round = 0; round < (start ? MAX_ROUNDS_NEAR : MAX_ROUNDS); round++)
-        if (improve(x, s, count, &guess, st) < CONVERGED)
+    good = *st;
+    good.log_likelihood = -INFINITY;
+    for (int round = 0; round < MAX_ROUNDS; round += 2) {
+        to_free(st, at[0]);
+        double change = improve(x, s, count, &guess, st);
+        if (st->log_likelihood < good.log_likelihood - 1e-6) { /* went too far */
+            *st = good;
+            continue;
+        }
+        to_free(st, at[1]);
+        if (change < CONVERGED)
             break;
+        improve(x, s, count, &guess, st);
+        to_free(st, at[2]);
+        good = *st;
+        extrapolate(at[0], at[1], at[2], st);
+    }
+}
+
+void pair_statistics_shares(const double *x, const double *s, size_t count, const struct pair_statistics *like,
+                            struct pair_statistics *st)
+{
+    struct pair_statistics guess = {.window = like->window};
+    first_guess(x, s, count, &guess);
+    *st = *like;
+    st->pairs = guess.pairs;
+    st->touching = st->resting = st->apart = 1.0 / 3;
+    for (int round = 0; round < MAX_ROUNDS; round++) {
+        struct pair_statistics old = *st;
+        improve(x, s, count, &guess, st);
+        st->half = like->half;
+        st->hump = like->hump;
+        st->flat = like->flat;
+        if (fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting)) < CONVERGED)
+            break;
+    }
 }

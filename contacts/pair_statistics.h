@@ -1,15 +1,16 @@
 /* How overlaps and gaps are distributed near touching; the numbers are learnt from the photo itself.
  *
- * Pairs that are squeezed have a true overlap t > 0 with density (1/m) exp(-t/m) (w + (1 - w) t/m), the shape of the
- * distribution of contact forces: nearly flat from zero to the mean, then exponential. Free grains rest against their
- * neighbours at t = 0. Pairs just apart have a density that is nearly constant over a small window below zero. A
- * measured overlap is x = t + s N(0, 1) with the standard error s of that pair, so that, with u = x - s^2/m,
+ * Pairs that are squeezed have a true overlap t > 0 with the density of contact forces, nearly flat from zero to the
+ * mean, then falling: a share w is half-normal, 2 N(t; 0, a), the others are Rayleigh, t exp(-t^2/2b^2)/b^2. Free
+ * grains rest against their neighbours at t = 0. Pairs just apart have a density that is nearly constant over a small
+ * window below zero. A measured overlap is x = t + s N(0, 1) with the standard error s of that pair. With
+ * q^2 = c^2 + s^2, u = x c^2/q^2 and v = c s/q (c = a or b: the normal law of t given x before it is cut at zero),
  *
- *     touching(x, s) = T (1/m) exp(s^2/2m^2 - x/m) [w Phi(u/s) + (1 - w)(u Phi(u/s) + s phi(u/s))/m],
- *     resting(x, s)  = R phi(x/s)/s,      apart(x, s) = A Phi(-x/s)/window,      T + R + A = 1,
+ *     touching(x, s) = T {w 2 N(x; 0, q) Phi(u/v) + (1 - w) (2 pi)^1/2/b N(x; 0, q) [u Phi(u/v) + v phi(u/v)]},
+ *     resting(x, s)  = R N(x; 0, s),      apart(x, s) = A Phi(-x/s)/window,      T + R + A = 1,
  *
- * and Bayes' rule gives the probabilities. T, R, A, m and w are found by expectation maximisation (Dempster, Laird and
- * Rubin 1977) with a few pseudo-pairs, which alone decide when there are hardly any pairs. */
+ * and Bayes' rule gives the probabilities. T, R, A, w, a and b are found by expectation maximisation (Dempster, Laird
+ * and Rubin 1977) with a few pseudo-pairs, which alone decide when there are hardly any pairs. */
 #ifndef CONTACTS_PAIR_STATISTICS_H
 #define CONTACTS_PAIR_STATISTICS_H
 
@@ -17,8 +18,8 @@
 
 struct pair_statistics {
     double touching, resting, apart; /* shares of the pairs with x >= -window: T, R, A */
-    double scale;                    /* m of the density above, m; the mean overlap is m (2 - w) */
     double flat;                     /* w */
+    double half, hump;               /* m: a, b */
     double window;                   /* m */
     size_t pairs;                    /* that were looked at */
     double log_likelihood;           /* of these pairs, with the density in 1/m */
@@ -29,6 +30,10 @@ struct pair_statistics {
 void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
                          const struct pair_statistics *start, struct pair_statistics *statistics);
 
+/* The shares of other pairs, few or many, whose squeezed ones are spread as in `like`. */
+void pair_statistics_shares(const double *x, const double *s, size_t count, const struct pair_statistics *like,
+                            struct pair_statistics *statistics);
+
 /* Probabilities of the three cases, and the log of the summed density. */
 struct pair_odds {
     double touching, resting, apart;
@@ -36,9 +41,7 @@ struct pair_odds {
 };
 struct pair_odds pair_odds(const struct pair_statistics *statistics, double x, double s);
 
-static inline double pair_mean_overlap(const struct pair_statistics *statistics)
-{
-    return statistics->scale * (2 - statistics->flat);
-}
+/* Mean true overlap of the touching pairs, m. */
+double pair_mean_overlap(const struct pair_statistics *statistics);
 
 #endif

@@ -4,11 +4,13 @@
 
 #include "pipeline/error.h"
 
-enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 15, ZOOMS = 3 };
+enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 11, ZOOMS = 7 };
+#define RESOLVED 0.7       /* deviation over step */
 #define LEAST_CONTRAST 3.0 /* density of touching over that of apart pairs at zero, below which there is no pile-up */
 
 #define HIDDEN 0.5       /* a zero known no better than to this share of the mean overlap tells nothing, */
-#define MODEL_ERROR 0.05 /* of the mean overlap: what the density's shape leaves open, from simulated packings */
+#define MODEL_ERROR 0.07 /* of the mean overlap, and */
+#define BLUR_ERROR 0.3 /* of the standard error: what the shape of the density leaves open, from simulations */
 #define BLURRED 1.2      /* nor do overlaps whose errors are larger than their mean by this factor */
 
 /* The pairs near the pile-up: overlap, error, lever (d overlap / d correction). */
@@ -32,13 +34,14 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static int trusted(const struct grains *grains, const struct pair *pair)
+static int trusted(const struct grains *grains, const unsigned char *idle, const struct pair *pair)
 {
-    return !((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST) && isfinite(pair->overlap);
+    return !(idle && (idle[pair->i] || idle[pair->j])) &&
+           !((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST) && isfinite(pair->overlap);
 }
 
-static int sample_take(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,
-                       struct sample *sample)
+static int sample_take(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
+                       enum correction_kind kind, struct sample *sample)
 {
     size_t stride = pairs->count / MAX_PAIRS + 1, room = pairs->count / stride + 2;
     *sample = (struct sample){.x = malloc(room * sizeof(double)),
@@ -49,7 +52,7 @@ static int sample_take(const struct grains *grains, const struct pairs *pairs, e
         return error_memory("overlaps");
     for (size_t p = 0; p < pairs->count; p += stride) {
         const struct pair *pair = &pairs->pair[p];
-        if (!trusted(grains, pair))
+        if (!trusted(grains, idle, pair))
             continue;
         sample->x[sample->count] = pair->overlap;
         sample->s[sample->count] = pair->s_overlap;
@@ -122,51 +125,70 @@ static double median_error(const struct sample *sample)
     return sample->count ? sample->moved[sample->count / 2] : 0;
 }
 
-/* Greatest likelihood over [low, high], zooming in on the best trial; the curvature from the last three. */
+/* The likelihood on a grid over [low, high]: the best trial, and mean and deviation of what it weighs. */
+struct scan {
+    double low, step, value[TRIALS];
+    int best;
+    double mean, deviation;
+};
+
+static void scan_over(const struct sample *sample, double low, double high, struct pair_statistics *st,
+                      struct scan *scan)
+{
+    double weight = 0, sum = 0, square = 0;
+    *scan = (struct scan){.low = low, .step = (high - low) / (TRIALS - 1)};
+    for (int t = 0; t < TRIALS; t++) {
+        scan->value[t] = log_likelihood(sample, low + t * scan->step, st);
+        scan->best = scan->value[t] > scan->value[scan->best] ? t : scan->best;
+    }
+    for (int t = 0; t < TRIALS; t++) {
+        double w = exp(scan->value[t] - scan->value[scan->best]), at = (t - scan->best) * scan->step;
+        weight += w;
+        sum += w * at;
+        square += w * at * at;
+    }
+    scan->mean = low + scan->best * scan->step + sum / weight;
+    scan->deviation = sqrt(fmax(0, square / weight - sum * sum / (weight * weight)));
+}
+
+/* Mean and deviation of the likelihood over [low, high], zooming in until the grid resolves it. */
 static void maximise(const struct sample *sample, double low, double high, struct radius_correction *correction)
 {
     struct pair_statistics st = {0};
-    double first_low = low, first_high = high, value[TRIALS], step = 0;
-    int best = 0;
-    for (int zoom = 0; zoom < ZOOMS; zoom++) {
-        step = (high - low) / (TRIALS - 1);
-        for (int t = 0; t < TRIALS; t++) {
-            value[t] = log_likelihood(sample, low + t * step, &st);
-            best = t == 0 || value[t] > value[best] ? t : best;
-        }
-        if (best == 0 || best == TRIALS - 1 || value[best] - fmin(value[best - 1], value[best + 1]) < 0.5)
-            break;
-        low += (best - 2) * step;
-        high = low + 4 * step;
-    }
-    correction->value = low + best * step;
-    if (correction->value <= first_low || correction->value >= first_high) {
+    struct scan scan;
+    double error = median_error(sample);
+    scan_over(sample, low, high, &st, &scan);
+    if (scan.best == 0 || scan.best == TRIALS - 1) {
         correction->why = "the pile-up of contacts has no lower edge";
         return;
     }
-    int inner = best < 1 ? 1 : best > TRIALS - 2 ? TRIALS - 2 : best;
-    double bend = value[inner - 1] - 2 * value[inner] + value[inner + 1];
-    correction->error = bend < 0 ? step / sqrt(-bend) : INFINITY;
+    for (int zoom = 0; zoom < ZOOMS && scan.deviation < RESOLVED * scan.step; zoom++) {
+        double middle = scan.low + scan.best * scan.step;
+        scan_over(sample, middle - 1.5 * scan.step, middle + 1.5 * scan.step, &st, &scan);
+    }
+    correction->value = scan.mean;
+    correction->error = scan.deviation;
     log_likelihood(sample, correction->value, &st);
     struct pair_odds odds = pair_odds(&st, 0, 0);
     if ((odds.touching + odds.resting) < LEAST_CONTRAST * odds.apart)
         correction->why = "contacts do not pile up against gaps";
-    else if (median_error(sample) > BLURRED * pair_mean_overlap(&st) || !isfinite(correction->error) ||
+    else if (error > BLURRED * pair_mean_overlap(&st) ||
              correction->error * sample->mean_lever > HIDDEN * pair_mean_overlap(&st))
         correction->why = "the errors of the overlaps hide the edge";
     else
         correction->decided = 1;
     if (correction->decided)
-        correction->error = hypot(correction->error, MODEL_ERROR * pair_mean_overlap(&st) * 2 / sample->mean_lever);
+        correction->error = hypot(correction->error,
+                                  hypot(MODEL_ERROR * pair_mean_overlap(&st), BLUR_ERROR * error) / sample->mean_lever);
 }
 
-int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, enum correction_kind kind,
-                               struct radius_correction *correction)
+int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
+                               enum correction_kind kind, struct radius_correction *correction)
 {
     struct sample sample;
     double mode, width;
     *correction = (struct radius_correction){0};
-    if (sample_take(grains, pairs, kind, &sample)) {
+    if (sample_take(grains, pairs, idle, kind, &sample)) {
         sample_free(&sample);
         return -1;
     }

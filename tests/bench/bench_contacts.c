@@ -1,8 +1,10 @@
 /* How right is the contact network? Packings of the virtual 1g2e with known contacts, seen with errors of centres and
  * radii, go through find_contacts; precision, recall and F1 against the error of the radii, the injected radius offset
- * and scale. bench_contacts [--grains N] [--kappa K] [--seed S] [--only errors|offset|reliability|forces|speed]
- * [--truth FILE]
- * [--save FILE]. */
+ * and scale.
+ *
+ *     bench_contacts [--grains N] [--kappa K] [--seed S] [--packings N] [--truth FILE]
+ *                    [--s PX] [--only errors|offset|reliability|forces|speed]
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +18,21 @@
 #include "simulation/simulate.h"
 
 #define MEAN_RADIUS_PX 100.0 /* of the full-size photos */
+
+/* The true contacts by their pair. */
+struct contact_key {
+    int64_t i, j;
+    size_t row;
+};
+
+enum { MOST_TRUTHS = 8 };
+struct truths {
+    struct packing packing[MOST_TRUTHS];
+    struct contact_key *keys[MOST_TRUTHS];
+    size_t count;
+};
+static struct truths truths;
+static double only_s; /* px: the one error of the offset table; 0: all */
 
 /* ---- the packing whose contacts are known ---- */
 
@@ -69,6 +86,8 @@ static struct scene scene_of(const struct packing *truth)
 {
     struct scene scene = {.path = "bench", .scale = mean_radius(truth) / MEAN_RADIUS_PX};
     scene.grains.density = scene.grains.length = NAN;
+    scene.contact_given = 1;
+    scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
     long w[4];
     const char *const sides[] = {"bottom", "right", "top", "left"};
     for (int k = 0; k < 4; k++)
@@ -108,16 +127,10 @@ static int look(const struct packing *truth, const struct scene *scene, const st
 
 struct score {
     double found, right, expected; /* contacts: found; found and true; true */
+    double bearing, bearing_right; /* the same without the contacts of rattlers */
     double wall_found, wall_right, wall_expected;
     double bin_count[10], bin_true[10], bin_probability[10];
 };
-
-/* The true contacts by their pair. */
-struct contact_key {
-    int64_t i, j;
-    size_t row;
-};
-static struct contact_key *truth_keys;
 
 static int by_key(const void *a, const void *b)
 {
@@ -127,20 +140,36 @@ static int by_key(const void *a, const void *b)
     return (x->j > y->j) - (x->j < y->j);
 }
 
-static int index_truth(const struct packing *truth)
+static int index_truth(const struct packing *truth, struct contact_key **keys)
 {
-    if (!(truth_keys = malloc((truth->contacts.count + 1) * sizeof *truth_keys)))
+    if (!(*keys = malloc((truth->contacts.count + 1) * sizeof **keys)))
         return error_memory("truth");
     for (size_t c = 0; c < truth->contacts.count; c++)
-        truth_keys[c] = (struct contact_key){truth->contacts.i[c], truth->contacts.j[c], c};
-    qsort(truth_keys, truth->contacts.count, sizeof *truth_keys, by_key);
+        (*keys)[c] = (struct contact_key){truth->contacts.i[c], truth->contacts.j[c], c};
+    qsort(*keys, truth->contacts.count, sizeof **keys, by_key);
     return 0;
+}
+
+/* Row of a pair among the true contacts; -1: none. */
+static long true_row(const struct packing *truth, int64_t i, int64_t j)
+{
+    size_t p = (size_t)(truth - truths.packing);
+    struct contact_key key = {i, j, 0};
+    struct contact_key *found = bsearch(&key, truths.keys[p], truth->contacts.count, sizeof key, by_key);
+    return found ? (long)found->row : -1;
+}
+
+/* The second body of a found contact in the truth's numbering; the walls may have another order there. */
+static int64_t true_partner(const struct packing *truth, const struct packing *found, size_t c)
+{
+    int64_t n = (int64_t)truth->grains.count, j = found->contacts.j[c];
+    return j < n ? j : n + walls_find(&truth->walls, found->walls.name[j - n]);
 }
 
 static int is_true(const struct packing *truth, int64_t i, int64_t j)
 {
-    struct contact_key key = {i, j, 0}, *found = bsearch(&key, truth_keys, truth->contacts.count, sizeof key, by_key);
-    return found && truth->contacts.overlap[found->row] > 0;
+    long row = true_row(truth, i, j);
+    return row >= 0 && truth->contacts.overlap[row] > 0;
 }
 
 static void score_add(const struct packing *truth, const struct packing *found, struct score *score)
@@ -152,14 +181,13 @@ static void score_add(const struct packing *truth, const struct packing *found, 
         score->wall_expected += counts && truth->contacts.j[c] >= n;
     }
     for (size_t c = 0; c < found->contacts.count; c++) {
-        int64_t i = found->contacts.i[c], j = found->contacts.j[c];
-        if (j >= n) { /* the truth may number its walls in another order */
-            long w = walls_find(&truth->walls, found->walls.name[j - n]);
-            j = n + w;
-        }
+        int64_t i = found->contacts.i[c], j = true_partner(truth, found, c);
         int right = is_true(truth, i, j), contact = !(found->contacts.flags[c] & CONTACT_CANDIDATE);
         score->found += contact;
         score->right += contact && right;
+        int idle = (found->grains.flags[i] | (j < n ? found->grains.flags[j] : 0)) & GRAIN_RATTLER ? 1 : 0;
+        score->bearing += contact && !idle;
+        score->bearing_right += contact && !idle && right;
         score->wall_found += contact && j >= n;
         score->wall_right += contact && right && j >= n;
         int bin = (int)fmin(9, 10 * found->contacts.probability[c]);
@@ -225,66 +253,108 @@ static int tables(const struct packing *truth)
     return 0;
 }
 
-/* F1 of the best plain threshold on the measured overlap, chosen with the truth. */
-static double best_threshold(const struct packing *truth, struct seen seen, struct contact_options options)
+/* F1 of the best plain threshold on the measured overlap, chosen with the truth, on radii that are right. */
+struct measured {
+    double overlap;
+    int right;
+};
+
+static int by_overlap(const void *a, const void *b)
 {
-    double best = 0;
+    const struct measured *x = a, *y = b;
+    return (x->overlap < y->overlap) - (x->overlap > y->overlap);
+}
+
+static double best_threshold(const struct packing *truth, struct seen seen)
+{
+    struct scene scene = scene_of(truth);
+    struct photo_grains grains = {0};
+    struct packing found = {0};
+    struct contact_options options = CONTACT_OPTIONS_DEFAULT;
+    struct contact_input input = {.scene = &scene, .grains = &grains, .is_reference = 1};
+    double best = NAN, right = 0;
     seen.offset = 0;
-    for (int t = -6; t <= 6; t++) {
-        struct score score = {0};
-        options = (struct contact_options)CONTACT_OPTIONS_DEFAULT;
-        options.tolerance_px = 0.4 * seen.s * t + 1e-3;
-        if (try_once(truth, &seen, &options, &score, NULL))
-            return NAN;
-        best = fmax(best, f1(score.found, score.right, score.expected));
+    options.tolerance_px = 5 * seen.s;
+    if (look(truth, &scene, &seen, &grains) || find_contacts(&input, &options, &found, NULL))
+        return NAN;
+    size_t n = found.contacts.count;
+    struct measured *list = malloc((n + 1) * sizeof *list);
+    for (size_t c = 0; list && c < n; c++) {
+        int64_t i = found.contacts.i[c], j = true_partner(truth, &found, c);
+        list[c] = (struct measured){found.contacts.overlap[c], is_true(truth, i, j)};
     }
+    if (list)
+        qsort(list, n, sizeof *list, by_overlap);
+    for (size_t c = 0; list && c < n; c++) {
+        right += list[c].right;
+        best = fmax(best, f1((double)(c + 1), right, (double)truth->contacts.count));
+    }
+    free(list);
+    packing_free(&found);
+    table_free(&PHOTO_GRAINS, &grains);
     return best;
 }
 
-static int offsets_found(const struct packing *truth)
+/* One error, all packings: what `auto` finds when the radii are off. */
+static int offset_row(const struct truths *truths, double s)
 {
-    const double errors[] = {0.005, 0.01, 0.02, 0.05, 0.1, 0.2};
-    printf("automatic radius offset, injected -0.8 ... +0.3 px\n"
-           "     s    error  scatter   stated undecided precision    recall        F1  best F1\n");
-    for (size_t e = 0; e < 6; e++) {
-        double sum = 0, square = 0, stated = 0, decided = 0, best = 0;
-        struct score score = {0};
-        const double injected[] = {-0.8, -0.3, -0.1, 0, 0.1, 0.3};
+    const double injected[] = {-0.8, -0.3, -0.1, 0, 0.1, 0.3};
+    double sum = 0, square = 0, worst = 0, stated = 0, decided = 0, tried = 0, best = 0, found = 0;
+    struct score score = {0};
+    for (size_t p = 0; p < truths->count; p++) {
+        best += best_threshold(&truths->packing[p], (struct seen){s, 0, 1, 10}) / (double)truths->count;
         for (size_t d = 0; d < 6; d++) {
             struct contact_options options = CONTACT_OPTIONS_DEFAULT;
             struct contact_summary summary;
-            struct seen seen = {errors[e], injected[d], 1, 10 + d};
+            struct seen seen = {s, injected[d], 1, 100 * p + 10 + d};
             options.radius_offset_auto = 1;
-            if (try_once(truth, &seen, &options, &score, &summary))
+            if (try_once(&truths->packing[p], &seen, &options, &score, &summary))
                 return -1;
-            if (d < 2)
-                best += 0.5 * best_threshold(truth, seen, options);
+            tried++;
             if (summary.undecided)
                 continue;
             double error = summary.radius_offset_px + injected[d];
             decided++;
             sum += error;
             square += error * error;
-            stated += summary.s_radius_offset_px;
+            worst = fmax(worst, fabs(error));
+            stated += pow(summary.s_radius_offset_px, 2);
+            found += pow(error / summary.s_radius_offset_px, 2);
         }
-        double mean = sum / decided;
-        printf("%6.3f %+8.4f %8.4f %8.4f %9.0f %9.4f %9.4f %9.4f %8.4f\n", errors[e], mean,
-               sqrt(fmax(0, square / decided - mean * mean)), stated / decided, 6 - decided, score.right / score.found,
-               score.right / score.expected, f1(score.found, score.right, score.expected), best);
     }
+    printf("%6.3f %+8.4f %8.4f %8.4f %8.4f %7.2f %4.0f/%-4.0f %9.4f %8.4f %8.4f %8.4f %9.4f %8.4f %8.4f\n", s,
+           sum / decided, sqrt(square / decided), worst, sqrt(stated / decided), sqrt(found / decided), tried - decided,
+           tried, score.right / score.found, score.right / score.expected, f1(score.found, score.right, score.expected),
+           best, score.bearing_right / score.bearing, score.bearing_right / score.expected,
+           f1(score.bearing, score.bearing_right, score.expected));
     return 0;
 }
 
-static int reliability(const struct packing *truth)
+static int offsets_found(const struct truths *truths)
 {
+    const double errors[] = {0.005, 0.01, 0.02, 0.05, 0.1, 0.2};
+    printf("automatic radius offset, injected -0.8 ... +0.3 px                      | all contacts, and the best "
+           "threshold        | without rattlers\n"
+           "     s     bias      RMS    worst   stated RMS err/s undecided precision   recall       F1  best F1 "
+           "precision   recall       F1\n");
+    for (size_t e = 0; e < 6; e++)
+        if (!(only_s > 0 && only_s != errors[e]) && offset_row(truths, errors[e]))
+            return -1;
+    return 0;
+}
+
+static int reliability(const struct truths *truths)
+{
+    const double errors[] = {0.01, 0.025, 0.05};
     struct score score = {0};
     struct contact_options options = CONTACT_OPTIONS_DEFAULT;
-    for (int e = 0; e < 3; e++)
-        for (uint64_t draw = 0; draw < 6; draw++) {
-            struct seen seen = {(const double[]){0.01, 0.025, 0.05}[e], 0, 1, 100 + draw};
-            if (try_once(truth, &seen, &options, &score, NULL))
-                return -1;
-        }
+    for (size_t p = 0; p < truths->count; p++)
+        for (int e = 0; e < 3; e++)
+            for (uint64_t draw = 0; draw < 12; draw++) {
+                struct seen seen = {errors[e], 0, 1, 100 + 20 * p + draw};
+                if (try_once(&truths->packing[p], &seen, &options, &score, NULL))
+                    return -1;
+            }
     printf("probability   pairs  stated observed\n");
     for (int b = 0; b < 10; b++)
         printf("%.1f-%.1f %12.0f %8.3f %8.3f\n", b / 10.0, (b + 1) / 10.0, score.bin_count[b],
@@ -311,13 +381,9 @@ static double downstream(const struct packing *truth, struct packing *found, enu
         return NAN;
     }
     for (size_t c = 0; c < found->contacts.count; c++) {
-        int64_t j = found->contacts.j[c], grains = (int64_t)truth->grains.count;
-        if (j >= grains)
-            j = grains + walls_find(&truth->walls, found->walls.name[j - grains]);
-        struct contact_key key = {found->contacts.i[c], j, 0};
-        struct contact_key *same = bsearch(&key, truth_keys, truth->contacts.count, sizeof key, by_key);
-        if (same && isfinite(forces.contact.fn[c]))
-            force[same->row] = forces.contact.fn[c];
+        long row = true_row(truth, found->contacts.i[c], true_partner(truth, found, c));
+        if (row >= 0 && isfinite(forces.contact.fn[c]))
+            force[row] = forces.contact.fn[c];
     }
     for (size_t c = 0; c < truth->contacts.count; c++) {
         double x = force[c], y = truth->contacts.overlap[c];
@@ -406,13 +472,39 @@ static int speed(void)
     return 0;
 }
 
+/* Packings from a file, or as many as asked for from seeds in a row. */
+static int get_truths(const char *file, size_t count, long grains, double kappa, uint64_t seed)
+{
+    for (size_t p = 0; p < count; p++) {
+        struct packing *truth = &truths.packing[p];
+        if ((file ? packing_read(file, truth) : make_truth(grains, kappa, seed + p, truth)) < 0)
+            return -1;
+        truths.count++;
+        if (index_truth(truth, &truths.keys[p]))
+            return -1;
+    }
+    return 0;
+}
+
+static int run(const char *only)
+{
+    int all = !only;
+    return ((all || !strcmp(only, "errors")) && tables(&truths.packing[0])) ||
+                   ((all || !strcmp(only, "offset")) && offsets_found(&truths)) ||
+                   ((all || !strcmp(only, "forces")) && forces_behind(&truths.packing[0])) ||
+                   ((all || !strcmp(only, "reliability")) && reliability(&truths))
+               ? -1
+               : 0;
+}
+
 int main(int argc, char **argv)
 {
+    setvbuf(stdout, NULL, _IOLBF, 0);
     long grains = 400;
     double kappa = 1000;
     uint64_t seed = 7;
-    const char *file = NULL, *save = NULL, *only = NULL;
-    struct packing truth = {0};
+    size_t packings = 1;
+    const char *file = NULL, *only = NULL;
     for (int a = 1; a + 1 < argc; a += 2) {
         if (!strcmp(argv[a], "--grains"))
             grains = atol(argv[a + 1]);
@@ -420,35 +512,25 @@ int main(int argc, char **argv)
             kappa = atof(argv[a + 1]);
         else if (!strcmp(argv[a], "--seed"))
             seed = strtoull(argv[a + 1], NULL, 10);
+        else if (!strcmp(argv[a], "--packings"))
+            packings = (size_t)fmin(fmax(1, atof(argv[a + 1])), MOST_TRUTHS);
         else if (!strcmp(argv[a], "--truth"))
             file = argv[a + 1];
+        else if (!strcmp(argv[a], "--s"))
+            only_s = atof(argv[a + 1]);
         else if (!strcmp(argv[a], "--only"))
             only = argv[a + 1];
-        else if (!strcmp(argv[a], "--save"))
-            save = argv[a + 1];
     }
     if (only && !strcmp(only, "speed"))
         return speed() != 0;
-    int status = file ? packing_read(file, &truth) : make_truth(grains, kappa, seed, &truth);
-    if (status >= 0 && save) {
-        struct provenance provenance = PROVENANCE_DEFAULT;
-        provenance.stage = "simulate";
-        provenance.parameters = "{}";
-        provenance.coordinates = "si";
-        status = packing_write(save, &truth, &provenance);
-    }
-    if (status >= 0)
-        status = index_truth(&truth);
-    if (status >= 0)
-        status = ((!only || !strcmp(only, "errors")) && tables(&truth)) ||
-                         ((!only || !strcmp(only, "offset")) && offsets_found(&truth)) ||
-                         ((!only || !strcmp(only, "forces")) && forces_behind(&truth)) ||
-                         ((!only || !strcmp(only, "reliability")) && reliability(&truth))
-                     ? -1
-                     : 0;
+    int status = get_truths(file, packings, grains, kappa, seed);
+    if (status == 0)
+        status = run(only);
     if (status < 0)
         fprintf(stderr, "bench_contacts: %s\n", error_message());
-    free(truth_keys);
-    packing_free(&truth);
+    for (size_t p = 0; p < truths.count; p++) {
+        free(truths.keys[p]);
+        packing_free(&truths.packing[p]);
+    }
     return status < 0;
 }

@@ -17,7 +17,7 @@ static struct grains row_on_wall(size_t count, double offset, double tilt, doubl
     struct grains g;
     check_done(table_alloc(&GRAINS, &g, count, columns));
     for (size_t k = 0; k < count; k++) {
-        double x = 1000 * ((double)k + 0.5) / (double)count, overlap = -0.1 * log(1 - check_uniform(seed));
+        double x = 1000 * ((double)k + 0.5) / (double)count, overlap = fabs(0.1 * check_normal(seed));
         if (k % 5 == 4)
             overlap = -5 * check_uniform(seed);
         double wall = -offset - tilt * (x - 500);
@@ -40,7 +40,7 @@ static struct wall_line bottom_line(double s_offset_px)
 }
 
 static const struct pair_statistics usual = {
-    .touching = 0.9, .resting = 1e-6, .apart = 0.1, .scale = 0.1 * PX, .flat = 0.98, .window = 0.5 * PX};
+    .touching = 0.9, .resting = 1e-6, .apart = 0.1, .half = 0.1 * PX, .hump = 0.1 * PX, .flat = 0.98, .window = 0.5 * PX};
 
 /* Found offset and tilt against the truth, in units of their stated errors, over many draws. */
 static void test_line_from_grains(void **state)

@@ -1,0 +1,355 @@
+/* The contact network from rendered photos, against what was drawn.
+ *
+ *     bench_network FOLDER...           folders of tests/bench/network_photos
+ *     bench_network --box FILE SCALE    width and height between the walls of a packing, px
+ *
+ * For every folder and injected radius offset: what `--radius-offset auto` finds, precision, recall and F1 of the
+ * contacts and of those without rattlers, the best plain threshold chosen with the truth; then, over all folders, the
+ * reliability of the probabilities, the errors of overlaps and of motions against what is stated. A true contact is a
+ * pair of drawn faces, or a face and a wall, that overlap. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contacts/files.h"
+#include "contacts/find_contacts.h"
+#include "pipeline/error.h"
+
+enum { BINS = 10, INJECTED = 5 };
+static const double injected_px[INJECTED] = {-0.3, -0.1, 0, 0.1, 0.3};
+
+/* Sums of (error, stated error) for RMS values. */
+struct spread {
+    double square, stated, ratio, count;
+};
+
+static void spread_add(struct spread *spread, double error, double stated)
+{
+    if (!isfinite(error) || !(stated > 0))
+        return;
+    spread->square += error * error;
+    spread->stated += stated * stated;
+    spread->ratio += pow(error / stated, 2);
+    spread->count++;
+}
+
+static struct {
+    struct spread overlap, wall_overlap, un, dun, wall_un, offset;
+    double bin_count[BINS], bin_true[BINS], bin_probability[BINS];
+    double found, right, expected, bearing, bearing_right, best, cases;
+} all;
+
+/* One photo with its truth. */
+struct view {
+    struct photo_state photo;
+    struct photo_grains drawn;
+    struct packing truth;     /* walls of the simulation */
+    struct contacts contacts; /* of the faces as drawn */
+    long *row;                /* found grain -> drawn grain; -1: none */
+    double offset;            /* px: median of drawn radius less found radius */
+};
+
+static void view_free(struct view *view)
+{
+    photo_state_free(&view->photo);
+    table_free(&PHOTO_GRAINS, &view->drawn);
+    table_free(&CONTACTS, &view->contacts);
+    packing_free(&view->truth);
+    free(view->row);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static int match(struct view *view)
+{
+    const struct photo_grains *found = &view->photo.grains, *drawn = &view->drawn;
+    double *difference = malloc((found->count + 1) * sizeof *difference);
+    size_t n = 0;
+    if (!(view->row = malloc((found->count + 1) * sizeof *view->row)) || !difference) {
+        free(difference);
+        return error_memory("rows");
+    }
+    for (size_t k = 0; k < found->count; k++) {
+        double nearest = 0.5 * found->radius_px[k];
+        view->row[k] = -1;
+        for (size_t m = 0; m < drawn->count; m++) {
+            double d = hypot(found->x_px[k] - drawn->x_px[m], found->y_px[k] - drawn->y_px[m]);
+            if (d < nearest) {
+                nearest = d;
+                view->row[k] = (long)m;
+            }
+        }
+        if (view->row[k] >= 0)
+            difference[n++] = drawn->radius_px[view->row[k]] - found->radius_px[k];
+    }
+    qsort(difference, n, sizeof *difference, by_value);
+    view->offset = n ? difference[n / 2] : 0;
+    free(difference);
+    return 0;
+}
+
+static int view_read(const char *folder, int index, struct view *view)
+{
+    static const char *const columns[] = {"x_px", "y_px", "radius_px", NULL}, *const pairs[] = {"i", "j", "overlap",
+                                                                                                NULL};
+    char path[4096];
+    *view = (struct view){0};
+    snprintf(path, sizeof path, "%s/%s", folder, index ? "0001.tracks.hdf" : "0000.grains.hdf");
+    if (photo_state_read(path, &view->photo))
+        return -1;
+    snprintf(path, sizeof path, "%s/truth/%04d.truth.hdf", folder, index);
+    if (packing_read(path, &view->truth))
+        return -1;
+    snprintf(path, sizeof path, "%s/truth/%04d.photo-truth.hdf", folder, index);
+    struct state *file = state_open(path);
+    if (!file)
+        return -1;
+    int status = state_read(file, "grains", &PHOTO_GRAINS, columns, &view->drawn) ||
+                         state_read(file, "contacts", &CONTACTS, pairs, &view->contacts)
+                     ? -1
+                     : 0;
+    state_close(file);
+    return status || match(view) ? -1 : 0;
+}
+
+/* The drawn pair of a found one, i < j in the drawn numbering; 0 when a grain has no match. */
+static int drawn_pair(const struct view *view, const struct packing *found, size_t c, int64_t *i, int64_t *j)
+{
+    int64_t n = (int64_t)found->grains.count, grains = (int64_t)view->drawn.count;
+    *i = view->row[found->contacts.i[c]];
+    *j = found->contacts.j[c] < n
+             ? view->row[found->contacts.j[c]]
+             : grains + walls_find(&view->truth.walls, found->walls.name[found->contacts.j[c] - n]);
+    if (*i < 0 || *j < 0)
+        return 0;
+    if (*j < *i) {
+        int64_t swap = *i;
+        *i = *j;
+        *j = swap;
+    }
+    return 1;
+}
+
+static int is_drawn(const struct view *view, int64_t i, int64_t j)
+{
+    for (size_t c = 0; c < view->contacts.count; c++)
+        if (view->contacts.i[c] == i && view->contacts.j[c] == j)
+            return view->contacts.overlap[c] > 0;
+    return 0;
+}
+
+/* Distance of the drawn centres, or of a centre from the wall, px. */
+static double drawn_distance(const struct view *view, double scale, int64_t i, int64_t j)
+{
+    const struct grains *grains = &view->truth.grains;
+    if ((size_t)j < grains->count)
+        return hypot(view->drawn.x_px[j] - view->drawn.x_px[i], view->drawn.y_px[j] - view->drawn.y_px[i]);
+    size_t w = (size_t)j - grains->count;
+    struct vec from = vec_sub(vec(grains->x[i], grains->y[i]), vec(view->truth.walls.x0[w], view->truth.walls.y0[w]));
+    return vec_dot(from, wall_inward(&view->truth.walls, w)) / scale;
+}
+
+static double drawn_overlap(const struct view *view, double scale, int64_t i, int64_t j)
+{
+    double sum = view->drawn.radius_px[i];
+    if ((size_t)j < view->drawn.count)
+        sum += view->drawn.radius_px[j];
+    for (size_t c = 0; c < view->contacts.count; c++) /* with its shapes, where it is drawn as a contact */
+        if (view->contacts.i[c] == i && view->contacts.j[c] == j)
+            return view->contacts.overlap[c] / scale;
+    return view->drawn.shape_c && view->drawn.shape_c[i] != 0 ? NAN : sum - drawn_distance(view, scale, i, j);
+}
+
+struct measured {
+    double overlap;
+    int right;
+};
+
+static int by_overlap(const void *a, const void *b)
+{
+    const struct measured *x = a, *y = b;
+    return (x->overlap < y->overlap) - (x->overlap > y->overlap);
+}
+
+/* Precision, recall and F1 of one network, with a line of the table. */
+static void score(const struct view *view, const struct packing *found, const char *folder, int index, double injected,
+                  const struct contact_summary *summary)
+{
+    double called = 0, right = 0, bearing = 0, bearing_right = 0, expected = 0, best = 0, so_far = 0;
+    size_t n = (size_t)view->photo.grains.count, count = found->contacts.count;
+    struct measured *list = malloc((count + 1) * sizeof *list);
+    for (size_t c = 0; c < view->contacts.count; c++)
+        expected += view->contacts.overlap[c] > 0;
+    for (size_t c = 0; list && c < count; c++) {
+        int64_t i, j;
+        int is = drawn_pair(view, found, c, &i, &j) && is_drawn(view, i, j);
+        int contact = !(found->contacts.flags[c] & CONTACT_CANDIDATE);
+        size_t a = (size_t)found->contacts.i[c], b = (size_t)found->contacts.j[c];
+        int idle = ((found->grains.flags[a] | (b < n ? found->grains.flags[b] : 0)) & GRAIN_RATTLER) != 0;
+        called += contact;
+        right += contact && is;
+        bearing += contact && !idle;
+        bearing_right += contact && !idle && is;
+        int bin = (int)fmin(BINS - 1, BINS * found->contacts.probability[c]);
+        all.bin_count[bin]++;
+        all.bin_true[bin] += is;
+        all.bin_probability[bin] += found->contacts.probability[c];
+        list[c] = (struct measured){found->contacts.overlap[c], is};
+    }
+    if (list)
+        qsort(list, count, sizeof *list, by_overlap);
+    for (size_t c = 0; list && c < count; c++) {
+        so_far += list[c].right;
+        best = fmax(best, 2 * so_far / ((double)(c + 1) + expected));
+    }
+    free(list);
+    double error = summary->radius_offset_px - (view->offset - injected);
+    if (!summary->undecided)
+        spread_add(&all.offset, error, summary->s_radius_offset_px);
+    printf("%-24.24s %d %+5.1f %8.4f %8.4f %7.4f %6.4f %6.4f %6.4f %6.4f %7.4f %7.4f %7.4f %5zu %7.3f %7.3f%s\n",
+           folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, right / called,
+           right / expected, 2 * right / (called + expected), best, bearing_right / bearing, bearing_right / expected,
+           2 * bearing_right / (bearing + expected), summary->rattlers, summary->mean_overlap_px, summary->s_overlap_px,
+           summary->undecided ? " undecided" : "");
+    all.found += called;
+    all.right += right;
+    all.expected += expected;
+    all.bearing += bearing;
+    all.bearing_right += bearing_right;
+    all.best += best;
+    all.cases++;
+}
+
+/* Errors of overlaps and motions, px, for contacts of the photo as it is (nothing injected). */
+static void errors(const struct view *first, const struct view *view, const struct packing *found, double scale,
+                   int moved)
+{
+    const struct contacts *contacts = &found->contacts;
+    for (size_t c = 0; c < contacts->count; c++) {
+        int64_t i, j;
+        if ((contacts->flags[c] & CONTACT_CANDIDATE) || !drawn_pair(view, found, c, &i, &j))
+            continue;
+        int wall = (size_t)j >= view->drawn.count;
+        double error = contacts->overlap[c] / scale - drawn_overlap(view, scale, i, j);
+        spread_add(wall ? &all.wall_overlap : &all.overlap, error, contacts->s_overlap[c] / scale);
+        if (!moved)
+            continue;
+        double un = drawn_distance(view, scale, i, j) - drawn_distance(first, scale, i, j);
+        spread_add(wall ? &all.wall_un : &all.un, contacts->un[c] / scale - un, contacts->s_un[c] / scale);
+        if (!wall)
+            spread_add(&all.dun, contacts->dun[c] / scale - un, contacts->s_dun[c] / scale);
+    }
+}
+
+static int try_offset(const struct scene *scene, const struct view *view, const struct view *first, const char *folder,
+                      int index, double injected, const struct packing *previous, struct packing *found)
+{
+    struct contact_options options = CONTACT_OPTIONS_DEFAULT;
+    struct contact_summary summary;
+    struct contact_input input = {.scene = scene,
+                                  .grains = &view->photo.grains,
+                                  .patches = &view->photo.patches,
+                                  .seen = !strcmp(view->photo.info.coordinates, "seen"),
+                                  .previous = previous,
+                                  .is_reference = index == 0};
+    options.radius_offset_auto = 1;
+    for (size_t k = 0; k < view->photo.grains.count; k++)
+        view->photo.grains.radius_px[k] += injected;
+    int status = find_contacts(&input, &options, found, &summary);
+    for (size_t k = 0; k < view->photo.grains.count; k++)
+        view->photo.grains.radius_px[k] -= injected;
+    if (status)
+        return -1;
+    score(view, found, folder, index, injected, &summary);
+    if (injected == 0)
+        errors(first, view, found, scene->scale, index > 0);
+    return 0;
+}
+
+static int folder_run(const char *folder)
+{
+    struct scene scene = {0};
+    struct view view[2];
+    struct packing reference = {0};
+    char path[4096];
+    const char *name = strrchr(folder, '/') ? strrchr(folder, '/') + 1 : folder;
+    memset(view, 0, sizeof view);
+    snprintf(path, sizeof path, "%s/scene.json", folder);
+    int status = scene_read(path, &scene) || view_read(folder, 0, &view[0]) || view_read(folder, 1, &view[1]) ? -1 : 0;
+    for (int index = 0; index < 2; index++)
+        for (int k = 0; status == 0 && k < INJECTED; k++) {
+            struct packing found = {0};
+            status = try_offset(&scene, &view[index], &view[0], name, index, injected_px[k],
+                                index && reference.grains.count ? &reference : NULL, &found);
+            if (index == 0 && injected_px[k] == 0)
+                reference = found;
+            else
+                packing_free(&found);
+        }
+    packing_free(&reference);
+    view_free(&view[0]);
+    view_free(&view[1]);
+    scene_free(&scene);
+    return status;
+}
+
+static void print_spread(const char *name, const struct spread *spread)
+{
+    printf("%-36s %6.0f %9.4f %9.4f %9.2f\n", name, spread->count, sqrt(spread->square / spread->count),
+           sqrt(spread->stated / spread->count), sqrt(spread->ratio / spread->count));
+}
+
+static void print_all(void)
+{
+    printf("\npooled: precision %.4f recall %.4f F1 %.4f, best threshold %.4f; without rattlers %.4f %.4f %.4f\n",
+           all.right / all.found, all.right / all.expected, 2 * all.right / (all.found + all.expected),
+           all.best / all.cases, all.bearing_right / all.bearing, all.bearing_right / all.expected,
+           2 * all.bearing_right / (all.bearing + all.expected));
+    printf("\n%-36s %6s %9s %9s %9s\n", "px", "n", "RMS", "stated", "RMS of error/stated");
+    print_spread("radius offset", &all.offset);
+    print_spread("overlap, grains", &all.overlap);
+    print_spread("overlap, walls", &all.wall_overlap);
+    print_spread("un since the reference, grains", &all.un);
+    print_spread("un since the reference, walls", &all.wall_un);
+    print_spread("dun since the previous, grains", &all.dun);
+    printf("\nprobability   pairs  stated observed\n");
+    for (int b = 0; b < BINS; b++)
+        printf("%.1f-%.1f %12.0f %8.3f %8.3f\n", b / 10.0, (b + 1) / 10.0, all.bin_count[b],
+               all.bin_probability[b] / all.bin_count[b], all.bin_true[b] / all.bin_count[b]);
+}
+
+static int print_box(const char *path, double scale)
+{
+    struct packing packing = {0};
+    if (packing_read(path, &packing))
+        return -1;
+    long right = walls_find(&packing.walls, "right"), top = walls_find(&packing.walls, "top");
+    printf("%.0f %.0f\n", packing.walls.x0[right] / scale, packing.walls.y0[top] / scale);
+    packing_free(&packing);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    int status = 0;
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    if (argc == 4 && !strcmp(argv[1], "--box")) {
+        status = print_box(argv[2], atof(argv[3]));
+    } else {
+        printf(
+            "folder              photo  off   needed    error  stated   P      R      F1     best   P      R       F1 "
+            "(no rattlers)  rattl overlap  s_x\n");
+        for (int a = 1; a < argc && status == 0; a++)
+            status = folder_run(argv[a]);
+        if (status == 0)
+            print_all();
+    }
+    if (status)
+        fprintf(stderr, "bench_network: %s\n", error_message());
+    return status != 0;
+}
