@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR };
+enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR, PICTURE };
 
 static const struct argp_option option_list[] = {
     {"previous", PREVIOUS, "FILE", 0, "Contacts of the previous photo: relative motions since then, and what is new",
@@ -15,6 +15,8 @@ static const struct argp_option option_list[] = {
     {"radius-scale", RADIUS_SCALE, "X|auto", 0, "Multiply every radius by X (1); auto: found from the overlaps", 0},
     {"radius-offset", RADIUS_OFFSET, "PX|auto", 0, "Add PX pixels to every radius (0); auto: found from the overlaps",
      0},
+    {"picture", PICTURE, "FILE.svg", 0,
+     "Draw the histogram of the overlaps near zero with the fitted density: whether the radii are right", 0},
     {"repair", REPAIR, NULL, 0,
      "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)", 0},
     {"tolerance", TOLERANCE, "PX", 0,
@@ -46,6 +48,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
             arguments->given.radius_offset_px = cli_number(state, "radius-offset", arg, -1000, 1000);
         else
             arguments->given.radius_offset_auto = 1;
+        return 0;
+    case PICTURE:
+        arguments->picture = arg;
         return 0;
     case REPAIR:
         arguments->given.repair = 1;

@@ -7,7 +7,7 @@
 
 struct arguments {
     struct cli cli;
-    const char *input, *previous;
+    const char *input, *previous, *picture;
     struct cli_inputs radii;      /* --radii */
     struct contact_options given; /* NaN: not on the command line */
 };

@@ -43,6 +43,12 @@ static int learn(const struct grains *grains, struct contact_network *network)
     return status;
 }
 
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 static void weigh(const struct grains *grains, struct contact_network *network)
 {
     for (size_t p = 0; p < network->pairs.count; p++) {
@@ -50,6 +56,43 @@ static void weigh(const struct grains *grains, struct contact_network *network)
         const struct pair_statistics *statistics =
             is_idle(network, grains, pair) ? &network->idle_pairs : &network->bearing;
         pair->odds = pair_odds(statistics, pair->overlap, pair->s_overlap);
+    }
+}
+
+static double median_error(const struct pairs *pairs)
+{
+    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
+    for (size_t p = 0; s && p < pairs->count; p++)
+        s[p] = pairs->pair[p].s_overlap;
+    if (s && pairs->count) {
+        qsort(s, pairs->count, sizeof *s, by_value);
+        value = s[pairs->count / 2];
+    }
+    free(s);
+    return value;
+}
+
+/* From four mean overlaps below zero (or six errors) to as many above, of pairs between grains; the fit for the median
+ * error. */
+static void count_overlaps(const struct grains *grains, double px, struct contact_network *network)
+{
+    struct overlap_histogram *histogram = &network->histogram;
+    double error = median_error(&network->pairs), reach = fmax(4 * pair_mean_overlap(&network->bearing), 6 * error);
+    double width = 2 * reach / HISTOGRAM_BINS;
+    *histogram = (struct overlap_histogram){.low_px = -reach / px, .width_px = width / px};
+    for (size_t p = 0; p < network->pairs.count; p++) {
+        const struct pair *pair = &network->pairs.pair[p];
+        double bin = floor((pair->overlap + reach) / width);
+        if ((size_t)pair->j < grains->count && bin >= 0 && bin < HISTOGRAM_BINS)
+            (is_idle(network, grains, pair) ? histogram->idle : histogram->bearing)[(int)bin]++;
+    }
+    for (int b = 0; b < HISTOGRAM_BINS; b++) {
+        double x = (b + 0.5) * width - reach;
+        if (x < -network->window) /* the density is fitted inside the window only */
+            continue;
+        const struct pair_statistics *bearing = &network->bearing, *idle = &network->idle_pairs;
+        histogram->fit_bearing[b] = (double)bearing->pairs * width * exp(pair_odds(bearing, x, error).log_density);
+        histogram->fit_idle[b] = (double)idle->pairs * width * exp(pair_odds(idle, x, error).log_density);
     }
 }
 
@@ -126,6 +169,7 @@ int contact_network_build(const struct contact_input *input, const struct contac
         candidates_with_walls(&packing->grains, &packing->walls, fmax(network->window, tolerance), &network->pairs))
         return -1;
     weigh(&packing->grains, network);
+    count_overlaps(&packing->grains, input->scene->scale, network);
     return fill_contacts(input, options, network, packing);
 }
 

@@ -15,6 +15,7 @@ struct contact_network {
     double window; /* m: of the statistics */
     struct pair_statistics bearing, idle_pairs;
     unsigned char *idle; /* of each grain; NULL: not known yet, every pair counts as bearing */
+    struct overlap_histogram histogram;
 };
 
 void contact_network_free(struct contact_network *network); /* accepts a zeroed struct */

@@ -92,3 +92,51 @@ char *contact_options_text(const struct contact_options *options, const struct c
         error_set(EXIT_FAILED, "out of memory: options: use a machine with more memory");
     return text;
 }
+
+int contacts_write(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
+                   const struct contact_options *options, const struct contact_summary *summary,
+                   const struct packing *packing)
+{
+    const struct state_number numbers[] = {{"h", &summary->indeterminacy, 1}, {"mechanisms", &summary->mechanisms, 1}};
+    size_t count = 0;
+    const char **inputs = malloc((arguments->radii.count + 2) * sizeof *inputs);
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    char *parameters = contact_options_text(options, summary);
+    if (!inputs || !parameters) {
+        free(inputs);
+        free(parameters);
+        return inputs ? -1 : error_memory("names of the inputs");
+    }
+    inputs[count++] = arguments->input;
+    if (arguments->previous)
+        inputs[count++] = arguments->previous;
+    for (size_t m = 0; m < arguments->radii.count; m++)
+        inputs[count++] = arguments->radii.paths[m];
+    provenance.stage = "contacts";
+    provenance.parameters = parameters;
+    provenance.scene = scene;
+    provenance.input_paths = inputs;
+    provenance.input_count = count;
+    provenance.index = photo->info.index;
+    provenance.time_s = isfinite(photo->info.time_s) ? photo->info.time_s : scene_time(scene, photo->info.index);
+    provenance.coordinates = "si";
+    provenance.length_m = packing->length_m;
+    provenance.numbers = numbers;
+    provenance.number_count = sizeof numbers / sizeof *numbers;
+    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
+    int status = packing_write(arguments->cli.output, packing, &provenance);
+    free(parameters);
+    free(inputs);
+    return status;
+}
+
+void contacts_log(const struct contact_summary *summary)
+{
+    log_event("contacts", "grains", (double)summary->grains, "unusable", (double)summary->unusable, "contacts",
+              (double)summary->contacts, "wall_contacts", (double)summary->wall_contacts, "candidates",
+              (double)summary->candidates, "rattlers", (double)summary->rattlers, "floating", (double)summary->floating,
+              "mean_overlap_px", summary->mean_overlap_px, "h", summary->indeterminacy, "s_overlap_px",
+              summary->s_overlap_px, "resting_share", summary->resting_share, "radius_scale", summary->radius_scale,
+              "radius_offset_px", summary->radius_offset_px, "s_radius_scale", summary->s_radius_scale,
+              "s_radius_offset_px", summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0, NULL);
+}

@@ -2,6 +2,7 @@
 #ifndef CONTACTS_FILES_H
 #define CONTACTS_FILES_H
 
+#include "contacts/arguments.h"
 #include "contacts/find_contacts.h"
 
 /* The photo side of one state. */
@@ -22,5 +23,12 @@ int photo_state_is_reference(const struct photo_state *state, const struct scene
 /* The options as used, and the errors of what was found automatically, as the JSON text of the attribute `parameters`;
  * to be freed. */
 char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary);
+
+/* The state file, with its inputs, parameters and what it is as a whole. */
+int contacts_write(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
+                   const struct contact_options *options, const struct contact_summary *summary,
+                   const struct packing *packing);
+/* What was found, as one line of the log. */
+void contacts_log(const struct contact_summary *summary);
 
 #endif

@@ -136,13 +136,28 @@ static int find_motion(struct search *search)
     return move_since_previous(&state, packing);
 }
 
+static size_t count_rattlers(const struct grains *grains)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < grains->count; k++)
+        count += (grains->flags[k] & GRAIN_RATTLER) != 0;
+    return count;
+}
+
+/* Where most grains would fall, the network is not one in equilibrium (too much was lost, or nothing presses): then
+ * friction is left out and any two contacts hold, as in the thesis. */
 static int check_stability(struct search *search)
 {
     const struct scene *scene = search->input->scene;
+    struct packing *packing = search->packing;
     struct stability_rules rules = {.mu = scene->contact_given ? scene->contact.mu : NAN,
                                     .mu_wall = scene->contact_given ? scene->contact.mu_wall : NAN};
-    return search->options.repair ? stability_repair(search->packing, &rules, &search->promoted)
-                                  : stability_flag(search->packing, &rules);
+    if (stability_flag(packing, &rules))
+        return -1;
+    if (2 * count_rattlers(&packing->grains) > packing->grains.count)
+        rules.mu = rules.mu_wall = NAN;
+    return search->options.repair ? stability_repair(packing, &rules, &search->promoted)
+                                  : stability_flag(packing, &rules);
 }
 
 static int build(struct search *search)
@@ -180,6 +195,7 @@ static void summarise(const struct search *search, struct contact_summary *summa
     *summary = (struct contact_summary){
         .grains = packing->grains.count,
         .promoted = search->promoted,
+        .rattlers = count_rattlers(&packing->grains),
         .mean_overlap_px = pair_mean_overlap(&search->network.bearing) / scale,
         .radius_scale = search->options.radius_scale,
         .radius_offset_px = search->options.radius_offset_px,
@@ -187,10 +203,12 @@ static void summarise(const struct search *search, struct contact_summary *summa
         .s_radius_offset_px = search->options.radius_offset_auto ? search->correction.error / scale : 0,
         .undecided = search->correction.why,
         .resting_share = resting_share(&search->network),
+        .histogram = search->network.histogram,
+        .mechanisms = NAN,
+        .indeterminacy = NAN,
         .s_overlap_px = median_error(&search->network.pairs) / scale};
     for (size_t k = 0; k < packing->grains.count; k++) {
         summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;
-        summary->rattlers += (packing->grains.flags[k] & GRAIN_RATTLER) != 0;
         summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;
     }
     for (size_t c = 0; c < packing->contacts.count; c++) {
@@ -199,6 +217,34 @@ static void summarise(const struct search *search, struct contact_summary *summa
         summary->contacts += !(flags & CONTACT_CANDIDATE);
         summary->wall_contacts += (flags & CONTACT_WALL) && !(flags & CONTACT_CANDIDATE);
     }
+}
+
+void contact_indeterminacy(const struct scene *scene, const struct packing *packing, double *h, double *k)
+{
+    const struct grains *grains = &packing->grains;
+    double unknowns[2] = {2, 2}, equations = 0;
+    if (scene->contact_given && scene->contact.mu == 0)
+        unknowns[0] = 1;
+    if (scene->contact_given && scene->contact.mu_wall == 0)
+        unknowns[1] = 1;
+    *h = *k = 0;
+    for (size_t g = 0; g < grains->count; g++) {
+        *k += grains->flags[g] & GRAIN_RATTLER ? 3 : 0;
+        equations += grains->flags[g] & (GRAIN_RATTLER | GRAIN_FIXED | GRAIN_NOT_FINITE) ? 0 : 3;
+    }
+    for (size_t w = 0; w < packing->walls.count; w++)
+        if (!wall_is_disc(&packing->walls, w)) {
+            struct vec n = wall_inward(&packing->walls, w);
+            equations += isfinite(fabs(n.x) > fabs(n.y) ? packing->walls.fx[w] : packing->walls.fy[w]);
+        }
+    for (size_t c = 0; c < packing->contacts.count; c++) {
+        size_t i = (size_t)packing->contacts.i[c], j = (size_t)packing->contacts.j[c];
+        int wall = j >= grains->count;
+        if (!(packing->contacts.flags[c] & CONTACT_CANDIDATE) && !(grains->flags[i] & GRAIN_RATTLER) &&
+            (wall || !(grains->flags[j] & GRAIN_RATTLER)))
+            *h += unknowns[wall];
+    }
+    *h -= equations;
 }
 
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,

@@ -34,6 +34,15 @@ struct contact_input {
     int is_reference; /* this photo is the reference: no motion yet */
 };
 
+/* How overlaps are spread near zero, and what the fitted density says: pairs per bin, of grains that can be squeezed
+ * and of those with an idle one (contact_network.h). */
+enum { HISTOGRAM_BINS = 60 };
+struct overlap_histogram {
+    double low_px, width_px;
+    double bearing[HISTOGRAM_BINS], idle[HISTOGRAM_BINS];
+    double fit_bearing[HISTOGRAM_BINS], fit_idle[HISTOGRAM_BINS];
+};
+
 /* What was found, for people. */
 struct contact_summary {
     size_t grains, unusable; /* rows; rows with a number missing: they touch nothing */
@@ -44,6 +53,9 @@ struct contact_summary {
     double s_radius_scale, s_radius_offset_px; /* of an automatic one; 0: given */
     const char *undecided;                     /* why an automatic one was left out; NULL: it was not */
     double resting_share;                      /* of near pairs: those that rest at zero overlap */
+    double indeterminacy;                      /* h: unknown forces less equations, rattlers left out */
+    double mechanisms;                         /* k: three per rattler */
+    struct overlap_histogram histogram;
 };
 
 /* The options of the scene's section "contacts"; what it does not name stays as it is. */
@@ -55,5 +67,10 @@ int contact_options_follow(const struct packing *previous, struct contact_option
  * are not applied (loads_apply). summary may be NULL. */
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
                   struct contact_summary *summary);
+
+/* Degree of force indeterminacy h = 2 N_c + k - N_f and the mechanisms k, three per rattler (thesis, eq. 2.1), rattlers
+ * and their contacts left out of N_c and N_f; a contact without friction brings one unknown, a wall whose load is given
+ * one equation (apply the loads first). */
+void contact_indeterminacy(const struct scene *scene, const struct packing *packing, double *h, double *k);
 
 #endif

@@ -3,8 +3,7 @@
 #include <math.h>
 
 enum { ROWS = 4, COLUMNS_MOST = 2 * HOLDS_MOST, MAX_EXCHANGES = 100 };
-#define MOST_FRICTION 2.0 /* what "as large as one likes" means: two contacts 53 degrees apart hold */
-#define SLACK 0.02        /* directions are known no better, and a force may sit on its cone's edge */
+#define SLACK 0.02 /* directions are known no better, and a force may sit on its cone's edge */
 #define TINY 1e-12
 
 /* min |A x - b|, x >= 0. */
@@ -116,8 +115,11 @@ int grain_is_held(const struct hold *holds, size_t count, struct vec load, doubl
     if (count > HOLDS_MOST)
         return 1;
     for (size_t k = 0; k < count; k++)
+        if (isnan(holds[k].mu))
+            return count >= 2;
+    for (size_t k = 0; k < count; k++)
         for (int side = -1; side <= 1; side += 2) {
-            double mu = side * (isnan(holds[k].mu) ? MOST_FRICTION : fmin(holds[k].mu, MOST_FRICTION));
+            double mu = side * holds[k].mu;
             double length = sqrt(1 + 2 * mu * mu), *column = problem.column[problem.count++];
             struct vec t = vec_turn(holds[k].n);
             column[0] = (-holds[k].n.x + mu * t.x) / length;

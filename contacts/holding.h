@@ -16,7 +16,7 @@
 
 struct hold {
     struct vec n; /* unit, from the grain's centre to the contact */
-    double mu;    /* of this contact; NaN: not known, as large as one likes */
+    double mu;    /* of this contact; NaN: not known, then any two contacts hold */
 };
 
 /* load: force and moment over the radius, any unit; all zero: none. More than HOLDS_MOST contacts always hold. */

@@ -3,53 +3,9 @@
 
 #include "contacts/arguments.h"
 #include "contacts/files.h"
+#include "contacts/picture.h"
 #include "pipeline/error.h"
 #include "pipeline/loads.h"
-
-static int write_packing(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
-                         const struct contact_options *options, const struct contact_summary *summary,
-                         const struct packing *packing)
-{
-    size_t count = 0;
-    const char **inputs = malloc((arguments->radii.count + 2) * sizeof *inputs);
-    struct provenance provenance = PROVENANCE_DEFAULT;
-    char *parameters = contact_options_text(options, summary);
-    if (!inputs || !parameters) {
-        free(inputs);
-        free(parameters);
-        return inputs ? -1 : error_memory("names of the inputs");
-    }
-    inputs[count++] = arguments->input;
-    if (arguments->previous)
-        inputs[count++] = arguments->previous;
-    for (size_t m = 0; m < arguments->radii.count; m++)
-        inputs[count++] = arguments->radii.paths[m];
-    provenance.stage = "contacts";
-    provenance.parameters = parameters;
-    provenance.scene = scene;
-    provenance.input_paths = inputs;
-    provenance.input_count = count;
-    provenance.index = photo->info.index;
-    provenance.time_s = isfinite(photo->info.time_s) ? photo->info.time_s : scene_time(scene, photo->info.index);
-    provenance.coordinates = "si";
-    provenance.length_m = packing->length_m;
-    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
-    int status = packing_write(arguments->cli.output, packing, &provenance);
-    free(parameters);
-    free(inputs);
-    return status;
-}
-
-static void tell(const struct contact_summary *summary)
-{
-    log_event("contacts", "grains", (double)summary->grains, "unusable", (double)summary->unusable, "contacts",
-              (double)summary->contacts, "wall_contacts", (double)summary->wall_contacts, "candidates",
-              (double)summary->candidates, "rattlers", (double)summary->rattlers, "floating", (double)summary->floating,
-              "mean_overlap_px", summary->mean_overlap_px, "s_overlap_px", summary->s_overlap_px, "resting_share",
-              summary->resting_share, "radius_scale", summary->radius_scale, "radius_offset_px",
-              summary->radius_offset_px, "s_radius_scale", summary->s_radius_scale, "s_radius_offset_px",
-              summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0, NULL);
-}
 
 static int run(const struct arguments *arguments)
 {
@@ -87,9 +43,13 @@ static int run(const struct arguments *arguments)
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
-        status = write_packing(arguments, &scene, &photo, &options, &summary, &packing);
+        contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
+    if (status == 0)
+        status = contacts_write(arguments, &scene, &photo, &options, &summary, &packing);
+    if (status == 0 && arguments->picture)
+        status = overlap_picture(arguments->picture, &summary);
     if (status == 0) {
-        tell(&summary);
+        contacts_log(&summary);
         status = cli_flagged(&arguments->cli, summary.unusable, summary.grains, "grains without position or radius");
     }
     packing_free(&packing);

@@ -22,13 +22,20 @@ static double turned(const struct grains *grains, const struct state_before *bef
     return column_or_zero(grains->angle, k) - column_or_zero(before->angle, k);
 }
 
+/* Of a motion between two photos, from the errors of the motions since the reference: half of the smaller variance is
+ * the noise of the reference photo, which is in both and drops out. */
+static double between(const double *now, const double *before, size_t k)
+{
+    double a = square(column_or_zero(now, k)), b = square(column_or_zero(before, k));
+    return a + b - fmin(a, b);
+}
+
 /* Variances of a grain's motion along n and t; arm: to the contact point. */
 static void grain_variance(const struct grains *grains, const struct state_before *before, size_t k, struct vec n,
                            double arm, double *along_n, double *along_t)
 {
-    double x2 = square(column_or_zero(grains->s_x, k)) + square(column_or_zero(before->s_x, k));
-    double y2 = square(column_or_zero(grains->s_y, k)) + square(column_or_zero(before->s_y, k));
-    double a2 = square(column_or_zero(grains->s_angle, k)) + square(column_or_zero(before->s_angle, k));
+    double x2 = between(grains->s_x, before->s_x, k), y2 = between(grains->s_y, before->s_y, k);
+    double a2 = between(grains->s_angle, before->s_angle, k);
     *along_n += n.x * n.x * x2 + n.y * n.y * y2;
     *along_t += n.y * n.y * x2 + n.x * n.x * y2 + arm * arm * a2;
 }

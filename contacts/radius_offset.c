@@ -5,13 +5,15 @@
 #include "pipeline/error.h"
 
 enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 11, ZOOMS = 7 };
+#define UNSHARP 0.4        /* of the mean overlap: an edge is sharper than this, */
+#define CLEARLY 3.0        /* in log-likelihood */
 #define RESOLVED 0.7       /* deviation over step */
 #define LEAST_CONTRAST 3.0 /* density of touching over that of apart pairs at zero, below which there is no pile-up */
 
-#define HIDDEN 0.5       /* a zero known no better than to this share of the mean overlap tells nothing, */
-#define MODEL_ERROR 0.07 /* of the mean overlap, and */
-#define BLUR_ERROR 0.3 /* of the standard error: what the shape of the density leaves open, from simulations */
-#define BLURRED 1.2      /* nor do overlaps whose errors are larger than their mean by this factor */
+#define HIDDEN 0.5        /* a zero known no better than to this share of the mean overlap tells nothing, */
+#define MODEL_ERROR 0.035 /* of the mean overlap, and */
+#define BLUR_ERROR 0.15   /* of the standard error: what the shape of the density leaves open, from simulations */
+#define BLURRED 1.2       /* nor do overlaps whose errors are larger than their mean by this factor */
 
 /* The pairs near the pile-up: overlap, error, lever (d overlap / d correction). */
 struct sample {
@@ -151,8 +153,22 @@ static void scan_over(const struct sample *sample, double low, double high, stru
     scan->deviation = sqrt(fmax(0, square / weight - sum * sum / (weight * weight)));
 }
 
+/* The greatest likelihood near a correction when every overlap had this much more error. */
+static double best_when_blurred(struct sample *sample, double correction, double blur)
+{
+    struct pair_statistics st = {0};
+    struct scan scan;
+    double reach = blur / sample->mean_lever;
+    for (size_t k = 0; k < sample->count; k++)
+        sample->s[k] = hypot(sample->s[k], blur);
+    scan_over(sample, correction - 2 * reach, correction + 2 * reach, &st, &scan);
+    for (size_t k = 0; k < sample->count; k++)
+        sample->s[k] = sqrt(sample->s[k] * sample->s[k] - blur * blur);
+    return scan.value[scan.best];
+}
+
 /* Mean and deviation of the likelihood over [low, high], zooming in until the grid resolves it. */
-static void maximise(const struct sample *sample, double low, double high, struct radius_correction *correction)
+static void maximise(struct sample *sample, double low, double high, struct radius_correction *correction)
 {
     struct pair_statistics st = {0};
     struct scan scan;
@@ -170,11 +186,14 @@ static void maximise(const struct sample *sample, double low, double high, struc
     correction->error = scan.deviation;
     log_likelihood(sample, correction->value, &st);
     struct pair_odds odds = pair_odds(&st, 0, 0);
+    double sharp = scan.value[scan.best];
     if ((odds.touching + odds.resting) < LEAST_CONTRAST * odds.apart)
         correction->why = "contacts do not pile up against gaps";
     else if (error > BLURRED * pair_mean_overlap(&st) ||
              correction->error * sample->mean_lever > HIDDEN * pair_mean_overlap(&st))
         correction->why = "the errors of the overlaps hide the edge";
+    else if (best_when_blurred(sample, correction->value, UNSHARP * pair_mean_overlap(&st)) > sharp + CLEARLY)
+        correction->why = "the overlaps fall off without an edge (elliptic rods, or errors larger than stated)";
     else
         correction->decided = 1;
     if (correction->decided)

@@ -5,7 +5,7 @@
 #include "pipeline/packing.h"
 
 struct stability_rules {
-    double mu, mu_wall; /* NaN: not known, as large as one likes: two contacts always hold */
+    double mu, mu_wall; /* NaN: not known: any two contacts hold */
     int weightless;     /* 1: ask who can be squeezed, whatever the loads */
 };
 

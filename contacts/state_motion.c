@@ -85,7 +85,7 @@ int move_since_previous(const struct moved_state *state, struct packing *packing
                                   .s_y = previous->grains.s_y,
                                   .s_angle = previous->grains.s_angle};
     for (size_t w = 0; w < 8; w++)
-        before.s_wall[w] = M_SQRT2 * state->frame->s_motion[w];
+        before.s_wall[w] = state->frame->s_motion[w]; /* as with grains: the reference drops out */
     for (size_t c = 0; c < packing->contacts.count; c++) {
         const struct pair *pair = &state->pairs->pair[c];
         move_one(state, c, find_before(old, order, start, pair->i, pair->j), &before, packing);

@@ -4,9 +4,9 @@
  *     bench_network --box FILE SCALE    width and height between the walls of a packing, px
  *
  * For every folder and injected radius offset: what `--radius-offset auto` finds, precision, recall and F1 of the
- * contacts and of those without rattlers, the best plain threshold chosen with the truth; then, over all folders, the
- * reliability of the probabilities, the errors of overlaps and of motions against what is stated. A true contact is a
- * pair of drawn faces, or a face and a wall, that overlap. */
+ * contacts (between grains that were found and are not flagged) and of those without rattlers, the best plain threshold
+ * chosen with the truth; then, over all folders, the reliability of the probabilities, the errors of overlaps and of
+ * motions against what is stated. A true contact is a pair of drawn faces, or a face and a wall, that overlap. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +38,8 @@ static struct {
     struct spread overlap, wall_overlap, un, dun, wall_un, offset;
     double bin_count[BINS], bin_true[BINS], bin_probability[BINS];
     double found, right, expected, bearing, bearing_right, best, cases;
+    double wall_found, wall_right, wall_expected;
+    double drawn; /* contacts, also of grains that were not found */
 } all;
 
 /* One photo with its truth. */
@@ -47,6 +49,8 @@ struct view {
     struct packing truth;     /* walls of the simulation */
     struct contacts contacts; /* of the faces as drawn */
     long *row;                /* found grain -> drawn grain; -1: none */
+    unsigned char *seen;      /* drawn grains that were found */
+    double lost;              /* drawn grains that were not */
     double offset;            /* px: median of drawn radius less found radius */
 };
 
@@ -57,6 +61,7 @@ static void view_free(struct view *view)
     table_free(&CONTACTS, &view->contacts);
     packing_free(&view->truth);
     free(view->row);
+    free(view->seen);
 }
 
 static int by_value(const void *a, const void *b)
@@ -70,7 +75,9 @@ static int match(struct view *view)
     const struct photo_grains *found = &view->photo.grains, *drawn = &view->drawn;
     double *difference = malloc((found->count + 1) * sizeof *difference);
     size_t n = 0;
-    if (!(view->row = malloc((found->count + 1) * sizeof *view->row)) || !difference) {
+    view->row = malloc((found->count + 1) * sizeof *view->row);
+    view->seen = calloc(drawn->count + 1, 1);
+    if (!view->row || !view->seen || !difference) {
         free(difference);
         return error_memory("rows");
     }
@@ -84,9 +91,15 @@ static int match(struct view *view)
                 view->row[k] = (long)m;
             }
         }
+        if (found->flags[k] & GRAIN_DISTRUST) /* measured badly, and known to be */
+            view->row[k] = -1;
         if (view->row[k] >= 0)
             difference[n++] = drawn->radius_px[view->row[k]] - found->radius_px[k];
+        if (view->row[k] >= 0)
+            view->seen[view->row[k]] = 1;
     }
+    for (size_t m = 0; m < drawn->count; m++)
+        view->lost += !view->seen[m];
     qsort(difference, n, sizeof *difference, by_value);
     view->offset = n ? difference[n / 2] : 0;
     free(difference);
@@ -115,6 +128,13 @@ static int view_read(const char *folder, int index, struct view *view)
                      : 0;
     state_close(file);
     return status || match(view) ? -1 : 0;
+}
+
+/* A drawn contact between bodies that were found: what a contact finder can be asked for. */
+static int is_wanted(const struct view *view, size_t c)
+{
+    size_t i = (size_t)view->contacts.i[c], j = (size_t)view->contacts.j[c];
+    return view->contacts.overlap[c] > 0 && view->seen[i] && (j >= view->drawn.count || view->seen[j]);
 }
 
 /* The drawn pair of a found one, i < j in the drawn numbering; 0 when a grain has no match. */
@@ -181,29 +201,38 @@ static void score(const struct view *view, const struct packing *found, const ch
                   const struct contact_summary *summary)
 {
     double called = 0, right = 0, bearing = 0, bearing_right = 0, expected = 0, best = 0, so_far = 0;
-    size_t n = (size_t)view->photo.grains.count, count = found->contacts.count;
+    size_t n = (size_t)view->photo.grains.count, count = found->contacts.count, listed = 0;
     struct measured *list = malloc((count + 1) * sizeof *list);
-    for (size_t c = 0; c < view->contacts.count; c++)
-        expected += view->contacts.overlap[c] > 0;
+    for (size_t c = 0; c < view->contacts.count; c++) {
+        expected += is_wanted(view, c);
+        all.drawn += view->contacts.overlap[c] > 0;
+        all.wall_expected += is_wanted(view, c) && (size_t)view->contacts.j[c] >= view->drawn.count;
+    }
     for (size_t c = 0; list && c < count; c++) {
         int64_t i, j;
-        int is = drawn_pair(view, found, c, &i, &j) && is_drawn(view, i, j);
+        if (!drawn_pair(view, found, c, &i, &j))
+            continue;
+        int is = is_drawn(view, i, j);
         int contact = !(found->contacts.flags[c] & CONTACT_CANDIDATE);
         size_t a = (size_t)found->contacts.i[c], b = (size_t)found->contacts.j[c];
         int idle = ((found->grains.flags[a] | (b < n ? found->grains.flags[b] : 0)) & GRAIN_RATTLER) != 0;
+        list[listed++] = (struct measured){found->contacts.overlap[c], is};
         called += contact;
         right += contact && is;
+        all.wall_found += contact && b >= n;
+        all.wall_right += contact && is && b >= n;
         bearing += contact && !idle;
         bearing_right += contact && !idle && is;
+        if (injected != 0) /* the network does not depend on it: count each pair once */
+            continue;
         int bin = (int)fmin(BINS - 1, BINS * found->contacts.probability[c]);
         all.bin_count[bin]++;
         all.bin_true[bin] += is;
         all.bin_probability[bin] += found->contacts.probability[c];
-        list[c] = (struct measured){found->contacts.overlap[c], is};
     }
     if (list)
-        qsort(list, count, sizeof *list, by_overlap);
-    for (size_t c = 0; list && c < count; c++) {
+        qsort(list, listed, sizeof *list, by_overlap);
+    for (size_t c = 0; list && c < listed; c++) {
         so_far += list[c].right;
         best = fmax(best, 2 * so_far / ((double)(c + 1) + expected));
     }
@@ -211,11 +240,11 @@ static void score(const struct view *view, const struct packing *found, const ch
     double error = summary->radius_offset_px - (view->offset - injected);
     if (!summary->undecided)
         spread_add(&all.offset, error, summary->s_radius_offset_px);
-    printf("%-24.24s %d %+5.1f %8.4f %8.4f %7.4f %6.4f %6.4f %6.4f %6.4f %7.4f %7.4f %7.4f %5zu %7.3f %7.3f%s\n",
+    printf("%-24.24s %d %+5.1f %8.4f %8.4f %7.4f %6.4f %6.4f %6.4f %6.4f %7.4f %7.4f %7.4f %5zu %4.0f %7.3f %7.3f%s\n",
            folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, right / called,
            right / expected, 2 * right / (called + expected), best, bearing_right / bearing, bearing_right / expected,
-           2 * bearing_right / (bearing + expected), summary->rattlers, summary->mean_overlap_px, summary->s_overlap_px,
-           summary->undecided ? " undecided" : "");
+           2 * bearing_right / (bearing + expected), summary->rattlers, view->lost, summary->mean_overlap_px,
+           summary->s_overlap_px, summary->undecided ? " undecided" : "");
     all.found += called;
     all.right += right;
     all.expected += expected;
@@ -310,6 +339,9 @@ static void print_all(void)
            all.right / all.found, all.right / all.expected, 2 * all.right / (all.found + all.expected),
            all.best / all.cases, all.bearing_right / all.bearing, all.bearing_right / all.expected,
            2 * all.bearing_right / (all.bearing + all.expected));
+    printf("recall with the contacts of lost grains %.4f\n", all.right / all.drawn);
+    printf("walls: precision %.4f recall %.4f of %.0f\n", all.wall_right / all.wall_found,
+           all.wall_right / all.wall_expected, all.wall_expected / INJECTED);
     printf("\n%-36s %6s %9s %9s %9s\n", "px", "n", "RMS", "stated", "RMS of error/stated");
     print_spread("radius offset", &all.offset);
     print_spread("overlap, grains", &all.overlap);
@@ -343,7 +375,7 @@ int main(int argc, char **argv)
     } else {
         printf(
             "folder              photo  off   needed    error  stated   P      R      F1     best   P      R       F1 "
-            "(no rattlers)  rattl overlap  s_x\n");
+            "(no rattlers)  rattl lost overlap  s_x\n");
         for (int a = 1; a < argc && status == 0; a++)
             status = folder_run(argv[a]);
         if (status == 0)

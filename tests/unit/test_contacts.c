@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "contacts/find_contacts.h"
+#include "contacts/holding.h"
+#include "contacts/picture.h"
 #include "pipeline/error.h"
 #include "tests/check.h"
 
@@ -467,6 +469,107 @@ static void test_peeling(void **state)
     setup_free(&s);
 }
 
+static int held_by(size_t count, const double degrees[], double mu, struct vec load)
+{
+    struct hold holds[4] = {{{0, 0}, 0}};
+    for (size_t k = 0; k < count; k++)
+        holds[k] = (struct hold){vec(cos(degrees[k] * pi / 180), sin(degrees[k] * pi / 180)), mu};
+    return grain_is_held(holds, count, load, 0);
+}
+
+/* mu = 0.53 is 27.9 degrees: without a load two contacts hold when the chord between them is within that of both
+ * normals, so when they are more than 180 - 55.8 = 124.2 degrees apart; under its weight a grain needs one below on
+ * either side, or one that is steep enough. */
+static void test_what_holds_a_grain(void **state)
+{
+    (void)state;
+    const struct vec none = vec(0, 0), down = vec(0, -1);
+    assert_false(held_by(0, NULL, 0.53, none));
+    assert_false(held_by(1, (const double[]){0}, 0.53, none));
+    assert_true(held_by(2, (const double[]){0, 180}, 0.53, none));
+    assert_true(held_by(2, (const double[]){0, 180}, 0, none));
+    assert_true(held_by(2, (const double[]){10, 138}, 0.53, none));
+    assert_false(held_by(2, (const double[]){10, 130}, 0.53, none));
+    assert_false(held_by(2, (const double[]){0, 150}, 0, none));
+    assert_true(held_by(3, (const double[]){0, 120, 240}, 0, none));
+    assert_false(held_by(3, (const double[]){0, 60, 120}, 0.53, none)); /* all on one side: 120 degrees at most */
+    assert_true(held_by(2, (const double[]){225, 315}, 0, down));
+    assert_false(held_by(2, (const double[]){45, 135}, 0, down)); /* both above */
+    assert_false(held_by(1, (const double[]){250}, 0.53, down));  /* rolls off */
+    assert_true(held_by(1, (const double[]){270}, 0.53, down));
+    assert_false(held_by(2, (const double[]){200, 250}, 0, down));
+    assert_true(held_by(2, (const double[]){200, 250}, NAN, down)); /* friction not known: two hold */
+}
+
+/* A bar of grains that only lean against a squeezed column are free, whatever they touch: 0 and 1 are squeezed between
+ * the walls, 2 leans on both. */
+static void test_leaning_grain_is_a_rattler(void **state)
+{
+    (void)state;
+    struct setup s = setup_new(3);
+    s.scene.contact_given = 1;
+    s.scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.53};
+    put(&s, 0, 300, 139.8, 40);
+    put(&s, 1, 300, 219.4, 40);
+    put(&s, 2, 300 + 79.8 * sqrt(0.75), 179.6, 40);
+    set_frame(&s, 100, 100, 800, 259.2);
+    check_done(find(&s, NULL, 1));
+    assert_int_equal(s.summary.contacts, 5);
+    assert_int_equal(s.packing.grains.flags[0] | s.packing.grains.flags[1], 0);
+    assert_int_equal(s.packing.grains.flags[2], GRAIN_RATTLER);
+    double h, k;
+    contact_indeterminacy(&s.scene, &s.packing, &h, &k);
+    check_near(k, 3, 0);
+    check_near(h, 2 + 2 * 1 - 6, 0); /* one contact with friction, two walls without, six equations */
+    const char *path = FILM_BINARY_DIR "/test_contacts.svg";
+    char line[64];
+    check_done(overlap_picture(path, &s.summary));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file));
+    assert_non_null(strstr(line, "<svg"));
+    fclose(file);
+    remove(path);
+    setup_free(&s);
+}
+
+/* Errors of a motion between two photos: the reference photo's noise, half of each variance, is in both and drops out.
+ */
+static void test_errors_between_two_photos(void **state)
+{
+    (void)state;
+    struct setup first = tracked_pair(0, 0, 0, 0.05, 0, 0), second = tracked_pair(0, 0, 0, 0.02, 0, 0);
+    add_column(&first, "s_x", &first.grains.s_x, 0.003);
+    add_column(&second, "s_x", &second.grains.s_x, 0.003);
+    check_done(find(&first, NULL, 0));
+    check_done(find(&second, &first.packing, 0));
+    check_near(second.packing.contacts.s_un[0], 0.003 * sqrt(2) * SCALE, 1e-9);
+    check_near(second.packing.contacts.s_dun[0], 0.003 * sqrt(2) * SCALE, 1e-9);
+    setup_free(&first);
+    setup_free(&second);
+}
+
+/* Discs of one size, pushed together in pairs at random angles: monodisperse, every second pair 0.3 px apart. */
+static void test_monodisperse(void **state)
+{
+    (void)state;
+    enum { PAIRS = 200 };
+    uint64_t seed = 5;
+    struct setup s = setup_new(2 * PAIRS);
+    for (size_t k = 0; k < PAIRS; k++) {
+        double a = 2 * pi * check_uniform(&seed), d = 40 + (k % 2 ? 0.3 : -0.3), x = 200 * (double)(k % 20);
+        put(&s, 2 * k, x, 200 * (double)(k / 20), 20);
+        put(&s, 2 * k + 1, x + d * cos(a), 200 * (double)(k / 20) + d * sin(a), 20);
+    }
+    add_column(&s, "s_radius", &s.grains.s_radius, 0.02);
+    check_done(find(&s, NULL, 1));
+    assert_int_equal(s.summary.contacts, PAIRS / 2);
+    for (size_t c = 0; c < s.packing.contacts.count; c++)
+        if (!(s.packing.contacts.flags[c] & CONTACT_CANDIDATE))
+            assert_int_equal(s.packing.contacts.i[c] / 2 % 2, 0);
+    setup_free(&s);
+}
+
 /* A heavy grain lies in the groove between two fixed walls' worth of others; one of its contacts looks open by 3
  * standard errors. Without repair it floats, with repair it stands. */
 static void test_repair(void **state)
@@ -666,6 +769,10 @@ int main(void)
         cmocka_unit_test(test_elliptic_rims),
         cmocka_unit_test(test_error_of_an_overlap),
         cmocka_unit_test(test_peeling),
+        cmocka_unit_test(test_what_holds_a_grain),
+        cmocka_unit_test(test_leaning_grain_is_a_rattler),
+        cmocka_unit_test(test_errors_between_two_photos),
+        cmocka_unit_test(test_monodisperse),
         cmocka_unit_test(test_repair),
         cmocka_unit_test(test_lens),
         cmocka_unit_test(test_radii_from_several_photos),
