@@ -94,6 +94,18 @@ static int is_held(const struct dem *dem, size_t grain)
     return contacts >= 2;
 }
 
+/* No value goes faster than it went on average while the trend was learned: what slows down keeps its trend, a single
+ * slip is not made a habit. */
+static void keep_pace(const struct cycle_ends *ends, double h, double *ahead)
+{
+    size_t k = ends->cycles - 1;
+    const double *first = ends->at, *last = ends->at + k * ends->values;
+    for (size_t v = 0; v < ends->values; v++) {
+        double most = fabs(last[v] - first[v]) * h / (double)k, way = ahead[v] - last[v];
+        ahead[v] = last[v] + fmax(-most, fmin(most, way));
+    }
+}
+
 /* Grains and box to where their trends lead. */
 static int place_ahead(struct run *run, const struct cycle_ends *ends, size_t h, struct trend *trends)
 {
@@ -101,6 +113,7 @@ static int place_ahead(struct run *run, const struct cycle_ends *ends, size_t h,
     double t0 = (double)(run->cycle - (ends->cycles - 1)), *ahead = run->now;
     if (cycle_ends_ahead(ends, run->options->trend, fmax(1, t0), (double)h, ahead, trends))
         return -1;
+    keep_pace(ends, (double)h, ahead);
     for (size_t k = 0; k < dem->count; k++)
         if (!dem->grains[k].fixed && is_held(dem, k))
             dem->grains[k].x = ahead[2 * k], dem->grains[k].y = ahead[2 * k + 1];
