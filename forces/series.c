@@ -13,7 +13,7 @@
 #include "pipeline/error.h"
 
 #define CANDIDATE 4 /* standard errors: pairs further apart are left out */
-enum { ROUNDS = 6 };
+enum { ROUNDS = 4 };
 
 /* ---- the series in memory ---- */
 
@@ -25,18 +25,6 @@ static void series_free(struct series *series)
         free(series->vector[k]);
     sparse_free(series->near);
     free(series->state), free(series->q), free(series->dq), free(series->diagonal), free(series->defect);
-}
-
-static int shared_alloc(struct series *series)
-{
-    size_t n = series->shared.count + 1;
-    series->q = calloc(n, sizeof(double)), series->dq = calloc(n, sizeof(double));
-    series->diagonal = calloc(n, sizeof(double));
-    series->defect = calloc(n, sizeof(double));
-    int there = series->defect && series->q && series->dq && series->diagonal;
-    for (int k = 0; k < 5; k++)
-        there &= (series->vector[k] = calloc(n, sizeof(double))) != NULL;
-    return there ? 0 : error_memory("shared unknowns");
 }
 
 static int shapes_unknown(const struct packing *packing, double given)
@@ -104,7 +92,7 @@ static int series_begin(const struct packing *const *packings, size_t count, con
     series->stiffness = loads->kn / loads->force;
     series->state = calloc(count + 1, sizeof *series->state);
     number_unknowns(packings[0], series->series_options, &series->shared);
-    if (!series->state || shared_alloc(series))
+    if (!series->state || series_shared_resize(series))
         return error_memory("states of the series");
     for (size_t s = 0; s < count; s++) {
         series->state[s].packing = packings[s];
@@ -117,19 +105,30 @@ static int series_begin(const struct packing *const *packings, size_t count, con
 
 /* ---- stages ---- */
 
+static int stage(struct series *series, const struct series_aim *aim)
+{
+    if (series_optimise(series, aim))
+        return -1;
+    size_t changed = series_open_and_close(series);
+    if (getenv("SERIES_LOUD"))
+        fprintf(stderr, " stage: gradient %.1e, changed %zu\n", series->gradient, changed);
+    return 0;
+}
+
 static int stages(struct series *series)
 {
-    static const struct series_aim aims[] = {{1, 0.3, 0.03, 0.1, 1}, {0, 0.1, 0.03, 0.1, 1}, {0, 0.03, 0.03, 0.1, 3},
-                                             {0, 0, 0.03, 0.1, 3},   {0, 0, 0.03, 0.1, 3},   {0, 0, 0.03, 0.1, 3},
-                                             {0, 0, 0.03, 0.1, 3}};
+    static const struct series_aim loose[] = {{1, 0.3, 0.03, 0.1, 1}, {0, 0.1, 0.03, 0.1, 1}, {0, 0.03, 0.03, 0.1, 3}};
+    static const struct series_aim tight = {0, 0, 0.03, 0.1, 3};
     static const struct series_aim last = {0, 0, SERIES_LAST_GAP, SERIES_LAST_GRADIENT, SERIES_LAST_PULL};
-    for (size_t k = 0; k < sizeof aims / sizeof *aims; k++) {
-        if (series_optimise(series, &aims[k]))
+    for (size_t k = 0; k < sizeof loose / sizeof *loose; k++)
+        if (stage(series, &loose[k]))
             return -1;
-        size_t changed = series_open_and_close(series);
-        if (getenv("SERIES_LOUD"))
-            fprintf(stderr, " stage %zu: gradient %.1e, changed %zu\n", k, series->gradient, changed);
-    }
+    for (int k = 0; k < ROUNDS; k++)
+        if (stage(series, &tight))
+            return -1;
+    for (int k = 0; k < 2 && series->series_options->tangential; k++)
+        if (series_find_segments(series) || stage(series, &tight))
+            return -1;
     return series_optimise(series, &last);
 }
 

@@ -168,7 +168,6 @@ static int state_product(const struct series *series, struct series_state *state
         double t = d[1] * u[c][0] + d[2] * u[c][1] + take[0][1] * w[c][0] + take[1][1] * w[c][1];
         u[c][0] = n, u[c][1] = t;
     }
-    memset(state->sum, 0, series->shared.count * sizeof(double));
     series_gather(series, state, (const double(*)[2])u);
     return 0;
 }
@@ -181,10 +180,9 @@ static int product(struct series *series, const double *v, double *out)
     for (size_t s = 0; s < series->count; s++)
         if (state_product(series, &series->state[s], v))
             error_share(&shared, (long)s);
-    memcpy(out, v, series->shared.count * sizeof(double));
-    for (size_t s = 0; s < series->count; s++)
-        for (size_t k = 0; k < series->shared.count; k++)
-            out[k] += series->state[s].sum[k];
+    series_add_up(series, out);
+    for (size_t k = 0; k < series->shared.count; k++)
+        out[k] += v[k];
     series->products++;
     return error_collect(&shared);
 }

@@ -35,15 +35,6 @@ static int for_states(struct series *series, state_work *work)
     return error_collect(&shared);
 }
 
-/* out = sum over the states of their `sum`, always in their order. */
-static void add_up(const struct series *series, double *out)
-{
-    memset(out, 0, series->shared.count * sizeof *out);
-    for (size_t s = 0; s < series->count; s++)
-        for (size_t k = 0; k < series->shared.count; k++)
-            out[k] += series->state[s].sum[k];
-}
-
 /* ---- one contact ---- */
 
 static double friction(const struct series_state *state, size_t c)
@@ -147,7 +138,6 @@ static int state_restart(const struct series *series, struct series_state *state
 
 static int gather_multipliers(const struct series *series, struct series_state *state)
 {
-    memset(state->sum, 0, series->shared.count * sizeof(double));
     series_gather(series, state, (const double(*)[2])state->l);
     return 0;
 }
@@ -193,7 +183,7 @@ static int residuals(struct series *series)
     double contacts = 0;
     if (for_states(series, gather_multipliers))
         return -1;
-    add_up(series, series->defect);
+    series_add_up(series, series->defect);
     series->gradient = series->gap = series->pull = 0;
     for (size_t k = 0; k < series->shared.count; k++) {
         series->defect[k] -= series->q[k];
@@ -254,7 +244,6 @@ static int state_right(const struct series *series, struct series_state *state)
         state->dl[c][0] = -d[0] * g[0] - d[1] * g[1] + take[0][0] * u[0] + take[1][0] * u[1];
         state->dl[c][1] = -d[1] * g[0] - d[2] * g[1] + take[0][1] * u[0] + take[1][1] * u[1];
     }
-    memset(state->sum, 0, series->shared.count * sizeof(double));
     series_gather(series, state, (const double(*)[2])state->dl);
     return 0;
 }
@@ -340,7 +329,7 @@ static int step(struct series *series, double aim, double *length)
         prepare(&series->state[s], aim);
     if (for_states(series, state_right))
         return -1;
-    add_up(series, series->vector[4]);
+    series_add_up(series, series->vector[4]);
     for (size_t k = 0; k < series->shared.count; k++)
         series->vector[4][k] += series->defect[k];
     if (series_solve_shared(series, series->vector[4], series->dq, SHARED) || for_states(series, state_step))

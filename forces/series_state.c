@@ -203,12 +203,51 @@ void series_error_at(const struct series *series, const struct series_state *sta
 
 void series_gather(const struct series *series, struct series_state *state, const double (*v)[2])
 {
+    memset(state->sum, 0, (size_t)series->shared.segment * sizeof(double));
+    state->gathered = v;
     for (size_t c = 0; c < state->network.count; c++) {
         const int *place = state->place + c * (size_t)state->width;
         const double *share = state->share + c * (size_t)state->width;
         for (int k = 0; k < state->width && place[k] >= 0; k++)
             state->sum[place[k]] += share[k] * v[c][NORMAL];
-        if (state->segment[c] >= 0)
-            state->sum[series->shared.segment + state->segment[c]] -= SERIES_SEGMENT * v[c][TANGENTIAL];
     }
+}
+
+void series_add_up(const struct series *series, double *out)
+{
+    memset(out, 0, series->shared.count * sizeof *out);
+    for (size_t s = 0; s < series->count; s++) {
+        const struct series_state *state = &series->state[s];
+        for (size_t k = 0; k < (size_t)series->shared.segment; k++)
+            out[k] += state->sum[k];
+        for (size_t c = 0; c < state->network.count && series->shared.segments; c++)
+            if (state->segment[c] >= 0)
+                out[series->shared.segment + state->segment[c]] -= SERIES_SEGMENT * state->gathered[c][TANGENTIAL];
+    }
+}
+
+static int resize(double **array, size_t size, size_t from)
+{
+    double *grown = realloc(*array, (size + 1) * sizeof *grown);
+    if (!grown)
+        return error_memory("shared unknowns");
+    *array = grown;
+    for (size_t k = from; k < size; k++)
+        grown[k] = 0;
+    return 0;
+}
+
+int series_shared_resize(struct series *series)
+{
+    size_t n = series->shared.count, from = series->shared.allocated;
+    sparse_free(series->near);
+    series->near = NULL;
+    series->shared.allocated = n;
+    for (int k = 0; k < 5; k++)
+        if (resize(&series->vector[k], n, 0))
+            return -1;
+    return resize(&series->q, n, from < n ? from : n) || resize(&series->dq, n, 0) || resize(&series->diagonal, n, 0) ||
+                   resize(&series->defect, n, 0)
+               ? -1
+               : 0;
 }

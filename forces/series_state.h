@@ -24,7 +24,7 @@ struct series_shared {
     long stiffness; /* relative */
     long shape;     /* 2 SERIES_HARMONICS per grain: cos and sin of harmonics 2, 3, ... */
     long segment;   /* 1 per tangential segment */
-    size_t segments, count;
+    size_t segments, count, allocated;
 };
 enum { SERIES_HARMONICS = 4, SERIES_WIDTH = 8 + 4 * SERIES_HARMONICS };
 
@@ -60,7 +60,8 @@ struct series_state {
     double (*gain)[3];        /* D = (C + slack)^-1 on the measured lines */
     double (*take)[2][2];     /* G = C D */
     double *work, *solution;  /* per degree of freedom */
-    double *sum;              /* per shared unknown: B' of something */
+    const double (*gathered)[2];
+    double *sum; /* per shared unknown but segments: B' gathered */
 };
 
 struct series {
@@ -94,8 +95,12 @@ int series_state_measure(struct series *series, size_t s, double offset, double 
 /* (B q)_n and (B q)_t of contact c. */
 void series_error_at(const struct series *series, const struct series_state *state, size_t c, const double *q,
                      double out[2]);
-/* sum += B' v, v per contact. */
+/* Room for shared.count unknowns; new ones are 0. */
+int series_shared_resize(struct series *series);
+/* B' v of one state, v per contact, kept until series_add_up(): v must stay until then. */
 void series_gather(const struct series *series, struct series_state *state, const double (*v)[2]);
+/* out = sum of what the states have gathered, always in their order. */
+void series_add_up(const struct series *series, double *out);
 
 /* How well to solve. */
 struct series_aim {

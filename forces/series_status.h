@@ -8,4 +8,7 @@
  * positive, or which equilibrium wants more than its gap costs, closes. Returns how many changed. */
 size_t series_open_and_close(struct series *series);
 
+/* Divide the photos' tangential motions into segments (series_segments.c), by the present estimate. */
+int series_find_segments(struct series *series);
+
 #endif
