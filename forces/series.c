@@ -38,13 +38,13 @@ static int shapes_unknown(const struct packing *packing, double given)
 }
 
 static void number_unknowns(const struct packing *packing, const struct series_options *options,
-                            struct series_shared *shared)
+                            const struct series_loads *loads, struct series_shared *shared)
 {
     size_t next = 0, grains = packing->grains.count;
     shared->grain = 0, next += 3 * grains;
     shared->wall = (long)next, next += packing->walls.count;
     shared->offset = options->fit_offset ? (long)next++ : -1;
-    shared->stiffness = options->fit_stiffness ? (long)next++ : -1;
+    shared->stiffness = loads->s_kn > 0 ? (long)next++ : -1;
     shared->shape = shapes_unknown(packing, options->shape) ? (long)next : -1;
     next += shared->shape >= 0 ? 2 * SERIES_HARMONICS * grains : 0;
     shared->segment = (long)next, shared->segments = 0;
@@ -90,14 +90,15 @@ static int series_begin(const struct packing *const *packings, size_t count, con
     series->count = count;
     series->force = loads->force;
     series->stiffness = loads->kn / loads->force;
+    series->s_stiffness = loads->s_kn / loads->kn;
     series->state = calloc(count + 1, sizeof *series->state);
-    number_unknowns(packings[0], series->series_options, &series->shared);
+    number_unknowns(packings[0], series->series_options, loads, &series->shared);
     if (!series->state || series_shared_resize(series))
         return error_memory("states of the series");
     for (size_t s = 0; s < count; s++) {
         series->state[s].packing = packings[s];
         if (leave_out_far(&series->state[s], loads->offset) || series_state_build(series, s) ||
-            series_state_measure(series, s, loads->offset, loads->s_offset, 0))
+            series_state_measure(series, s, loads->offset, loads->s_offset))
             return error_context("state %zu of the series", s + 1);
     }
     return 0;
@@ -109,9 +110,11 @@ static int stage(struct series *series, const struct series_aim *aim)
 {
     if (series_optimise(series, aim))
         return -1;
+    if (aim->loose == 0)
+        series_follow_stiffness(series);
     size_t changed = series_open_and_close(series);
     if (getenv("SERIES_LOUD"))
-        fprintf(stderr, " stage: gradient %.1e, changed %zu\n", series->gradient, changed);
+        fprintf(stderr, " stage: gradient %.1e, changed %zu kn %.4f\n", series->gradient, changed, series_stiffness(series) * series->force / 1.09e7);
     return 0;
 }
 

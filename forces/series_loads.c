@@ -7,6 +7,10 @@
 #include "forces/network.h"
 #include "pipeline/error.h"
 
+#define RANGE 1.6        /* kn is sought between given / RANGE and given * RANGE */
+#define LEAST_RANGE 1.03 /* of the loads: else kn is not sought */
+#define SCATTER 0.01 /* of a state's virial from overlaps: contacts that open and close, errors that do not repeat */
+
 /* One state: its overlaps with their branches, and the virial of its loads. */
 struct balance {
     size_t count;
@@ -88,8 +92,70 @@ static double largest_force(const struct balance *balance, size_t count, double 
     return largest;
 }
 
+/* How badly (kn, the offset that goes with it) meets the loads of the single states: rms of virial over virial, each
+ * state weighted by its load. */
+static double disagreement(const struct balance *balance, size_t count, double kn, double *offset)
+{
+    double sum = 0, whole = 0;
+    *offset = find_offset(balance, count, kn);
+    for (size_t s = 0; s < count; s++)
+        if (isfinite(balance[s].virial)) {
+            sum += pow(kn * overlap_virial(&balance[s], *offset) - balance[s].virial, 2);
+            whole += balance[s].virial * balance[s].virial;
+        }
+    return whole > 0 ? sqrt(sum / whole) : 0;
+}
+
+/* Golden section in log kn (Kiefer 1953). */
+static double best_stiffness(const struct balance *balance, size_t count, double given)
+{
+    const double golden = 0.6180339887498949;
+    double low = log(given / RANGE), high = log(given * RANGE), offset;
+    double a = high - golden * (high - low), b = low + golden * (high - low);
+    double at_a = disagreement(balance, count, exp(a), &offset), at_b = disagreement(balance, count, exp(b), &offset);
+    for (int k = 0; k < 30; k++)
+        if (at_a < at_b) {
+            high = b, b = a, at_b = at_a;
+            at_a = disagreement(balance, count, exp(a = high - golden * (high - low)), &offset);
+        } else {
+            low = a, a = b, at_a = at_b;
+            at_b = disagreement(balance, count, exp(b = low + golden * (high - low)), &offset);
+        }
+    return exp(0.5 * (low + high));
+}
+
+/* Largest over smallest virial; 1 with fewer than two known ones. */
+static double load_range(const struct balance *balance, size_t count)
+{
+    double low = INFINITY, high = 0;
+    for (size_t s = 0; s < count; s++)
+        if (isfinite(balance[s].virial)) {
+            low = fmin(low, balance[s].virial);
+            high = fmax(high, balance[s].virial);
+        }
+    return low > 0 && high > low ? high / low : 1;
+}
+
+/* kn, and how wrong it may be: where the disagreement has grown by the part that single states scatter anyway. */
+static void fit_stiffness(const struct balance *balance, size_t count, struct series_loads *loads)
+{
+    double offset, range = load_range(balance, count);
+    if (range < LEAST_RANGE) {
+        loads->refused = "the loads hardly change from photo to photo: k_n and the offset of the radii cannot be told "
+                         "apart";
+        return;
+    }
+    double best = best_stiffness(balance, count, loads->kn), step = 0.02;
+    double floor = hypot(disagreement(balance, count, best, &offset), SCATTER);
+    double beside = 0.5 * (disagreement(balance, count, best * (1 + step), &offset) +
+                           disagreement(balance, count, best * (1 - step), &offset));
+    double slope = sqrt(fmax(1e-12, beside * beside - pow(disagreement(balance, count, best, &offset), 2))) / step;
+    loads->kn = best;
+    loads->s_kn = fmin(0.3, fmax(0.01, floor / slope)) * best;
+}
+
 int series_loads_fit(const struct packing *const *packings, size_t count, const struct force_options *options,
-                     int fit_offset, int fit_stiffness, struct series_loads *loads)
+                     int offset, int stiffness, struct series_loads *loads)
 {
     struct balance *balance = calloc(count + 1, sizeof *balance);
     int status = balance ? 0 : error_memory("loads of the series");
@@ -97,11 +163,12 @@ int series_loads_fit(const struct packing *const *packings, size_t count, const 
     for (size_t s = 0; s < count && !status; s++)
         status = balance_read(packings[s], options, &balance[s]);
     if (!status) {
-        (void)fit_stiffness;
-        if (fit_offset)
+        if (stiffness)
+            fit_stiffness(balance, count, loads);
+        if (offset)
             loads->offset = find_offset(balance, count, loads->kn);
         loads->force = largest_force(balance, count, loads->offset);
-        loads->s_offset = 0.1 * loads->force / loads->kn;
+        loads->s_offset = (loads->s_kn > 0 ? 0.5 : 0.1) * loads->force / loads->kn;
     }
     balances_free(balance, count);
     return status;

@@ -13,6 +13,6 @@ struct series_loads {
 };
 
 int series_loads_fit(const struct packing *const *packings, size_t count, const struct force_options *options,
-                     int fit_offset, int fit_stiffness, struct series_loads *loads);
+                     int offset, int stiffness, struct series_loads *loads);
 
 #endif

@@ -32,7 +32,7 @@ static int store(const struct series *series, const struct series_state *state, 
         out->ft[row] = state->open[c] ? 0 : state->f[c][1] * series->force;
         out->status[row] = status_of(state->network.contact[c].mu, out->fn[row], out->ft[row]);
     }
-    forces->kn = series->stiffness * series->force;
+    forces->kn = series_stiffness(series) * series->force;
     forces->kt = forces->kn * series->options->law.kt_over_kn;
     forces->mu = series->options->law.mu;
     memcpy(forces->misfit, state->network.misfit, sizeof forces->misfit);
@@ -138,7 +138,7 @@ static void summarise(const struct series *series, const struct series_loads *lo
     summary->steps = series->steps, summary->products = series->products;
     summary->unknowns = series->shared.count, summary->segments = series->shared.segments;
     summary->offset = loads->offset, summary->s_offset = loads->s_offset;
-    summary->kn = series->stiffness * series->force, summary->s_kn = loads->s_kn;
+    summary->kn = series_stiffness(series) * series->force, summary->s_kn = loads->s_kn;
     summary->refused = loads->refused;
     for (size_t k = 0; k < series->shared.count; k++)
         misfit += series->q[k] * series->q[k];

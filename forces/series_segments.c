@@ -65,7 +65,7 @@ static double motion_variance(const struct series *series, const struct series_s
     const struct contacts *contacts = &state->packing->contacts;
     const struct grains *g = &state->packing->grains;
     double tx = contacts->ny[row], ty = contacts->nx[row], sum = 0;
-    double kt = series->stiffness * series->options->law.kt_over_kn;
+    double kt = series_stiffness(series) * series->options->law.kt_over_kn;
     size_t ends[2] = {(size_t)contacts->i[row], (size_t)contacts->j[row]};
     for (int e = 0; e < 2; e++)
         sum += tx * tx * squared(g->s_x, ends[e]) + ty * ty * squared(g->s_y, ends[e]) +
@@ -101,7 +101,7 @@ static int find_links(const struct series *series, size_t s, const long *before_
 {
     const struct series_state *now = &series->state[s], *before = &series->state[s - 1];
     long *match = match_contacts(&now->packing->contacts, &before->packing->contacts);
-    double kt = series->stiffness * series->options->law.kt_over_kn;
+    double kt = series_stiffness(series) * series->options->law.kt_over_kn;
     *count = 0;
     if (!match)
         return -1;

@@ -153,7 +153,7 @@ static double median_error(const struct grains *g)
     return count > 0 ? sum / count : 0;
 }
 
-int series_state_measure(struct series *series, size_t s, double offset, double s_offset, double s_stiffness)
+int series_state_measure(struct series *series, size_t s, double offset, double s_offset)
 {
     struct series_state *state = &series->state[s];
     const struct packing *packing = state->packing;
@@ -176,9 +176,10 @@ int series_state_measure(struct series *series, size_t s, double offset, double 
             add(state, c, &at, series->shared.offset, radii * kn * s_offset);
         state->measured[c][NORMAL] = kn * (overlap - radii * offset);
         state->measured[c][TANGENTIAL] = NAN;
-        if (series->shared.stiffness >= 0)
-            add(state, c, &at, series->shared.stiffness,
-                -s_stiffness * fmax(0, state->measured[c][NORMAL] - state->error[c][NORMAL]));
+        if (series->shared.stiffness >= 0) { /* its share follows the estimate: series_follow_stiffness() */
+            state->place[c * (size_t)state->width + (size_t)at] = (int)series->shared.stiffness;
+            state->share[c * (size_t)state->width + (size_t)at++] = 0;
+        }
         if (at < state->width)
             state->place[c * (size_t)state->width + (size_t)at] = -1;
         state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LEAST_ERROR * LEAST_ERROR;
@@ -250,4 +251,26 @@ int series_shared_resize(struct series *series)
                    resize(&series->defect, n, 0)
                ? -1
                : 0;
+}
+
+double series_stiffness(const struct series *series)
+{
+    long k = series->shared.stiffness;
+    return series->stiffness / (k >= 0 ? 1 - series->s_stiffness * series->q[k] : 1);
+}
+
+void series_follow_stiffness(struct series *series)
+{
+    if (series->shared.stiffness < 0)
+        return;
+    for (size_t s = 0; s < series->count; s++) {
+        struct series_state *state = &series->state[s];
+        for (size_t c = 0; c < state->network.count; c++) {
+            int *place = state->place + c * (size_t)state->width, k = 0;
+            while (place[k] != (int)series->shared.stiffness)
+                k++;
+            state->share[c * (size_t)state->width + (size_t)k] =
+                state->open[c] ? 0 : -series->s_stiffness * state->f[c][NORMAL];
+        }
+    }
 }

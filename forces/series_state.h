@@ -72,6 +72,7 @@ struct series {
     const struct series_options *series_options;
     double force;        /* N: the unit, common to all states */
     double stiffness;    /* kn in units per m */
+    double s_stiffness;  /* its relative standard error beforehand */
     double *q, *dq;      /* the shared unknowns and their step */
     double *defect;      /* sum of B' l, less q: 0 at the optimum */
     double *vector[5];   /* of conjugate gradients */
@@ -90,7 +91,11 @@ struct series {
 int series_state_build(struct series *series, size_t s);
 void series_state_free(struct series_state *state);
 /* B of the normal lines, and m, from the packing; `stiffness` and `offset` (m, of each radius) as fitted. */
-int series_state_measure(struct series *series, size_t s, double offset, double s_offset, double s_stiffness);
+int series_state_measure(struct series *series, size_t s, double offset, double s_offset);
+/* kn as now estimated, in units per m. An error of kn acts on a line like an overlap error in proportion to fn (not to
+ * the overlap, whose own error would pull kn down): after a stage this share follows the estimate. */
+double series_stiffness(const struct series *series);
+void series_follow_stiffness(struct series *series);
 
 /* (B q)_n and (B q)_t of contact c. */
 void series_error_at(const struct series *series, const struct series_state *state, size_t c, const double *q,

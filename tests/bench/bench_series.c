@@ -30,6 +30,16 @@ static int run(const char *folder, double kappa, int packing, const char *states
     options.law.kn = 1.09e7, options.law.mu = 0.5;
     if (getenv("SOFT"))
         series_options.softness = atof(getenv("SOFT"));
+    if (getenv("KN")) {
+        options.law.kn *= atof(getenv("KN"));
+        series_options.fit_stiffness = !getenv("NOFIT");
+    }
+    if (getenv("SHAPE"))
+        errors.shape = atof(getenv("SHAPE"));
+    if (getenv("LOST"))
+        errors.lost = atof(getenv("LOST"));
+    if (getenv("TRACK"))
+        errors.track = errors.track_deg = atof(getenv("TRACK"));
     if (getenv("NOTANG"))
         series_options.tangential = 0;
     if (series_case_read(folder, kappa, packing, states, &series) || series_case_draw(&series, &errors, seed))
@@ -42,10 +52,10 @@ static int run(const char *folder, double kappa, int packing, const char *states
     struct series_score score = series_case_score(&series, forces);
     printf("%-24s kappa %g packing %d seed %d: fn %.4f ft %.4f r %.4f %.4f, %zu segments, gradient %.1e, %d steps %d "
            "products, "
-           "offset %.3f of %.3f px, %.1f s\n",
+           "offset %.3f of %.3f px, kn %.4f +- %.4f, 2F/n %.3f, %.1f s\n",
            states, kappa, packing, (int)seed, score.fn, score.ft, score.r_fn, score.r_ft, summary.segments,
            summary.gradient, summary.steps, summary.products, summary.offset / series.pixel,
-           series.offset / series.pixel, cpu() - begin);
+           series.offset / series.pixel, summary.kn / 1.09e7, summary.s_kn / 1.09e7, summary.misfit, cpu() - begin);
     if (getenv("EACH"))
         for (size_t s = 0; s < series.count; s++) {
             struct series_score one = series_case_score_one(&series, s, &forces[s]);
