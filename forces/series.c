@@ -8,6 +8,7 @@
 
 #include "forces/series_loads.h"
 #include "forces/series_result.h"
+#include "forces/series_spread.h"
 #include "forces/series_state.h"
 #include "forces/series_status.h"
 #include "pipeline/error.h"
@@ -110,11 +111,11 @@ static int stage(struct series *series, const struct series_aim *aim)
 {
     if (series_optimise(series, aim))
         return -1;
-    if (aim->loose == 0)
+    series_open_and_close(series);
+    if (aim->loose == 0) { /* too early otherwise: what is still closed would pull kn down */
         series_follow_stiffness(series);
-    size_t changed = series_open_and_close(series);
-    if (getenv("SERIES_LOUD"))
-        fprintf(stderr, " stage: gradient %.1e, changed %zu kn %.4f\n", series->gradient, changed, series_stiffness(series) * series->force / 1.09e7);
+        series_let_go(series);
+    }
     return 0;
 }
 
@@ -184,7 +185,8 @@ int infer_series(const struct packing *const *packings, size_t count, const stru
     if (series_loads_fit(packings, count, options, series_options->fit_offset, series_options->fit_stiffness, &loads))
         return -1;
     int status = series_begin(packings, count, &loads, &series) || stages(&series) ||
-                         series_results(&series, &loads, forces, summary)
+                         series_results(&series, &loads, forces, summary) ||
+                         series_spread(&series, series_options->samples, forces, summary)
                      ? -1
                      : 0;
     series_free(&series);

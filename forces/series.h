@@ -14,7 +14,7 @@ struct series_options {
     int samples;       /* draws for s_fn, s_ft, fn_min, fn_max; 0: none */
     size_t block;      /* states at a time; 0: all */
 };
-#define SERIES_SOFTNESS 0.005
+#define SERIES_SOFTNESS 0.002
 #define SERIES_OPTIONS_DEFAULT                                                                                         \
     {                                                                                                                  \
         .softness = SERIES_SOFTNESS, .shape = NAN, .fit_offset = 1, .tangential = 1                                    \

@@ -60,7 +60,7 @@ static int factorise(struct series_state *state)
         if (couples > 0 && curve[0] + curve[2] > 0)
             add_block(state, c);
     }
-    sparse_add_diagonal(state->matrix, NULL, state->softness);
+    sparse_add_diagonal(state->matrix, state->soft, 0);
     return sparse_factorise(state->matrix) < 0 ? -1 : 0;
 }
 
@@ -172,8 +172,7 @@ static int state_product(const struct series *series, struct series_state *state
     return 0;
 }
 
-/* out = S v. */
-static int product(struct series *series, const double *v, double *out)
+int series_product(struct series *series, const double *v, double *out)
 {
     struct error_shared shared = ERROR_SHARED_NONE;
 #pragma omp parallel for schedule(dynamic)
@@ -206,7 +205,7 @@ int series_solve_shared(struct series *series, const double *right, double *dq, 
     memcpy(p, z, n * sizeof *p);
     double rz = dot(r, z, n), aim = share * share * rz;
     for (int step = 0; step < PRODUCTS && rz > aim; step++) {
-        if (product(series, p, sp))
+        if (series_product(series, p, sp))
             return -1;
         double alpha = rz / dot(p, sp, n), before = rz;
         for (size_t k = 0; k < n; k++) {

@@ -48,7 +48,7 @@ static int sides(const struct series_state *state, size_t c)
 }
 
 /* V and f0. */
-static void belief(const struct series_state *state, size_t c, double v[2], double *centre)
+void series_belief(const struct series_state *state, size_t c, double v[2], double *centre)
 {
     double mu = friction(state, c), square = state->mean * state->mean;
     v[0] = (state->open[c] ? OPEN_MEAN * OPEN_MEAN * fmax(1, square) : SERIES_PRIOR_NN * square);
@@ -77,7 +77,7 @@ static void compliance(const struct series_state *state, size_t c, double out[3]
 {
     double mu = friction(state, c), v[2], centre;
     double p = state->push[c][0] / state->side[c][0], m = state->push[c][1] / state->side[c][1];
-    belief(state, c, v, &centre);
+    series_belief(state, c, v, &centre);
     if (mu > 0) {
         double nn = 1 / v[0] + mu * mu * (p + m), nt = mu * (m - p), tt = 1 / v[1] + p + m;
         /* nn tt - nt nt without cancellation */
@@ -130,9 +130,9 @@ static int state_start(const struct series *series, struct series_state *state)
 
 static int state_restart(const struct series *series, struct series_state *state)
 {
+    (void)series;
     for (size_t c = 0; c < state->network.count; c++)
         restart_contact(state, c, WARM_GAP);
-    (void)series;
     return 0;
 }
 
@@ -149,12 +149,12 @@ static int state_residuals(const struct series *series, struct series_state *sta
     double worst = 0, gap = 0;
     network_motion(network, state->y, state->relative[0]);
     for (size_t d = 0; d < network->dofs; d++)
-        state->gy[d] = network->load[d] + state->softness * state->y[d];
+        state->gy[d] = network->load[d] + state->soft[d] * state->y[d];
     for (size_t c = 0; c < network->count; c++) {
         const struct network_contact *contact = &network->contact[c];
         double v[2], centre, edge[2];
         series_error_at(series, state, c, series->q, state->error[c]);
-        belief(state, c, v, &centre);
+        series_belief(state, c, v, &centre);
         edges_transposed(state, c, state->push[c], edge);
         for (int k = 0; k < 2; k++) {
             int there = k == 0 || friction(state, c) > 0;
@@ -202,7 +202,8 @@ static int residuals(struct series *series)
 
 /* ---- a step ---- */
 
-/* Aim at side times push = aim; C pull goes to the right-hand sides of the other equations. */
+/* Aim at side times push = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
+ * equations. */
 static void prepare(struct series_state *state, double aim)
 {
     const struct network *network = &state->network;
@@ -210,7 +211,7 @@ static void prepare(struct series_state *state, double aim)
         const struct network_contact *contact = &network->contact[c];
         const double *curve = state->curve[c];
         double towards[2] = {0, 0}, edge[2];
-        for (int k = 0; k < sides(state, c); k++)
+        for (int k = 0; k < sides(state, c) && aim >= 0; k++)
             towards[k] = (aim - state->side[c][k] * state->push[c][k]) / state->side[c][k];
         edges_transposed(state, c, towards, edge);
         double p[2] = {edge[0] - state->pull[c][0], edge[1] - state->pull[c][1]};
@@ -316,14 +317,18 @@ static void move(struct series_state *state, double length)
     }
 }
 
-static int step(struct series *series, double aim, double *length)
+int series_linearise(struct series *series)
 {
 #pragma omp parallel for schedule(dynamic)
     for (size_t s = 0; s < series->count; s++)
         for (size_t c = 0; c < series->state[s].network.count; c++)
             compliance(&series->state[s], c, series->state[s].curve[c]);
-    if (series_factorise(series))
-        return -1;
+    return series_factorise(series);
+}
+
+/* Steps of everything but the edges, for what gy, gl, pull and defect say. */
+static int solve(struct series *series, double aim, double share)
+{
 #pragma omp parallel for schedule(dynamic)
     for (size_t s = 0; s < series->count; s++)
         prepare(&series->state[s], aim);
@@ -332,7 +337,17 @@ static int step(struct series *series, double aim, double *length)
     series_add_up(series, series->vector[4]);
     for (size_t k = 0; k < series->shared.count; k++)
         series->vector[4][k] += series->defect[k];
-    if (series_solve_shared(series, series->vector[4], series->dq, SHARED) || for_states(series, state_step))
+    return series_solve_shared(series, series->vector[4], series->dq, share) || for_states(series, state_step) ? -1 : 0;
+}
+
+int series_respond(struct series *series, double share)
+{
+    return solve(series, -1, share);
+}
+
+static int step(struct series *series, double aim, double *length)
+{
+    if (series_linearise(series) || solve(series, aim, SHARED))
         return -1;
 #pragma omp parallel for schedule(dynamic)
     for (size_t s = 0; s < series->count; s++)
@@ -373,9 +388,6 @@ int series_optimise(struct series *series, const struct series_aim *aim)
         if (step(series, fmax(0.3 * aim->gap, shrink * series->gap), &length) || residuals(series))
             return -1;
         shrink = length > 0.9 ? 0.1 : length > 0.6 ? 0.2 : length > 0.3 ? 0.4 : 0.7;
-        if (getenv("SERIES_LOUD"))
-            fprintf(stderr, "  %3d gradient %.2e pull %.2e gap %.1e length %.3f products %d\n", k, series->gradient,
-                    series->pull, series->gap, length, series->products);
     }
     return isfinite(series->gradient) ? 0 : error_failed("series: numbers that are not finite: report these states");
 }

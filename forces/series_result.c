@@ -119,7 +119,7 @@ static void describe(const struct series *series, size_t s, struct series_photo 
             }
     }
     for (size_t d = 0; d < state->network.dofs; d++)
-        misfit += state->softness * state->y[d] * state->y[d];
+        misfit += state->soft[d] * state->y[d] * state->y[d];
     photo->data += state->network.dofs;
     photo->misfit = photo->data ? misfit / (double)photo->data : 0;
     photo->mean = carrying > 0 ? sum / carrying * series->force : 0;

@@ -134,8 +134,6 @@ static int link_states(struct series *series, size_t s, const long *before_of)
     int status = find_links(series, s, before_of, links, &count);
     for (size_t k = 0; k < count && !status; k++)
         good += (size_t)links[k].agrees;
-    if (getenv("SERIES_LOUD"))
-        fprintf(stderr, "links %zu of %zu\n", good, count);
     for (size_t k = 0; k < count && !status && (double)good >= TRUSTED * (double)count; k++) {
         size_t a = links[k].now, b = links[k].before;
         if (!links[k].agrees)

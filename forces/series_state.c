@@ -15,7 +15,8 @@ void series_state_free(struct series_state *state)
     free(state->flags), free(state->open), free(state->changed), free(state->measured), free(state->variance),
         free(state->slack);
     free(state->place), free(state->share), free(state->segment);
-    free(state->y), free(state->l), free(state->dy), free(state->dl), free(state->gy), free(state->gl);
+    free(state->soft), free(state->y), free(state->l), free(state->dy), free(state->dl), free(state->gy),
+        free(state->gl);
     free(state->relative), free(state->error), free(state->drelative), free(state->derror);
     free(state->f), free(state->df), free(state->side), free(state->push), free(state->dpush), free(state->pull);
     free(state->curve), free(state->gain), free(state->take);
@@ -33,6 +34,7 @@ static int state_alloc(struct series_state *state, size_t unknowns)
     state->share = calloc(n * (size_t)state->width, sizeof(double));
     state->segment = calloc(n, sizeof(long));
     state->y = calloc(d, sizeof(double)), state->dy = calloc(d, sizeof(double)), state->gy = calloc(d, sizeof(double));
+    state->soft = calloc(d, sizeof(double));
     state->l = calloc(n, sizeof *state->l), state->dl = calloc(n, sizeof *state->dl);
     state->gl = calloc(n, sizeof *state->gl);
     state->relative = calloc(n, sizeof *state->relative), state->error = calloc(n, sizeof *state->error);
@@ -45,9 +47,9 @@ static int state_alloc(struct series_state *state, size_t unknowns)
     state->work = calloc(d, sizeof(double)), state->solution = calloc(d, sizeof(double));
     state->sum = calloc(unknowns + 1, sizeof(double));
     return state->open && state->changed && state->measured && state->variance && state->slack && state->place &&
-                   state->share && state->segment && state->y && state->dy && state->gy && state->l && state->dl &&
-                   state->gl && state->relative && state->error && state->drelative && state->derror && state->f &&
-                   state->df && state->side && state->push && state->dpush && state->pull && state->curve &&
+                   state->share && state->segment && state->soft && state->y && state->dy && state->gy && state->l &&
+                   state->dl && state->gl && state->relative && state->error && state->drelative && state->derror &&
+                   state->f && state->df && state->side && state->push && state->dpush && state->pull && state->curve &&
                    state->gain && state->take && state->work && state->solution && state->sum
                ? 0
                : error_memory("states of the series");
@@ -87,13 +89,15 @@ int series_state_build(struct series *series, size_t s)
     if (network_build(&view, &series->options->law, &network_options, &state->network))
         return -1;
     common_unit(state, series->force);
-    state->softness = pow(series->series_options->softness * state->mean, 2);
     state->width = 8 + (series->shared.shape >= 0 ? 4 * SERIES_HARMONICS : 0);
     state->matrix = state_matrix(&state->network);
     if (!state->matrix || state_alloc(state, series->shared.count))
         return -1;
     for (size_t c = 0; c < state->network.count; c++)
         state->segment[c] = -1;
+    state->softness = pow(series->series_options->softness * state->mean, 2);
+    for (size_t d = 0; d < state->network.dofs; d++)
+        state->soft[d] = state->softness;
     return 0;
 }
 

@@ -35,7 +35,8 @@ struct series_state {
     struct network network;
     struct sparse *matrix;    /* pattern of A A' */
     double mean;              /* <fn> that the loads ask for, in units */
-    double softness;          /* variance of an equation of equilibrium */
+    double softness;          /* variance of an equation of equilibrium, as asked for */
+    double *soft;             /* of each: more where a contact seems to be missing */
     unsigned char *changed;   /* since the last solution */
     unsigned char *open;      /* carries nothing, and its gap costs nothing */
     double (*measured)[2];    /* m; NaN: none */
@@ -124,6 +125,14 @@ int series_optimise(struct series *series, const struct series_aim *aim);
  * conjugate gradients until the residual has shrunk to `share`. */
 int series_factorise(struct series *series);
 int series_solve_shared(struct series *series, const double *right, double *dq, double share);
+/* out = S v, the matrix of that system; leaves each state's part in its sum. */
+int series_product(struct series *series, const double *v, double *out);
+/* Linearise and factorise at the present point; then df and dq for errors in the equations: gy, gl, pull (of the
+ * forces' own) and defect, all of which it changes. */
+int series_linearise(struct series *series);
+int series_respond(struct series *series, double share);
+/* V and f0 of a contact. */
+void series_belief(const struct series_state *state, size_t c, double v[2], double *centre);
 /* K^-1 of that state: work -> solution. */
 int series_state_solve(struct series_state *state);
 

@@ -1,6 +1,7 @@
 #include "forces/series_status.h"
 
-#define CARRIES 1e-2 /* of <fn> */
+#define OUT_OF_BALANCE 5 /* standard errors of an equation */
+#define CARRIES 1e-2     /* of <fn> */
 
 static size_t open_and_close(struct series_state *state)
 {
@@ -20,6 +21,36 @@ static size_t open_and_close(struct series_state *state)
         changed++;
     }
     return changed;
+}
+
+/* Largest residual of grain k's equations, in standard errors. */
+static double grain_residual(const struct series_state *state, size_t first)
+{
+    double largest = 0;
+    for (size_t d = first; d < first + 3; d++)
+        largest = fmax(largest, fabs(state->soft[d] * state->y[d]));
+    return largest / sqrt(state->softness);
+}
+
+size_t series_let_go(struct series *series)
+{
+    size_t found = 0;
+    for (size_t s = 0; s < series->count; s++) {
+        struct series_state *state = &series->state[s];
+        for (size_t k = 0; k < state->network.grains; k++) {
+            long first = state->network.grain_dof[k];
+            if (first < 0)
+                continue;
+            double residual = grain_residual(state, (size_t)first);
+            double factor = residual > OUT_OF_BALANCE ? 1 + residual * residual : 1;
+            for (long d = first; d < first + 3; d++) { /* the equation's residual stays, so its multiplier shrinks */
+                state->y[d] *= state->soft[d] / (factor * state->softness);
+                state->soft[d] = factor * state->softness;
+            }
+            found += factor > 1;
+        }
+    }
+    return found;
 }
 
 size_t series_open_and_close(struct series *series)

@@ -36,13 +36,13 @@ int series_case_read(const char *folder, double kappa, int packing, const char *
     series->mean = mean_force(&first);
     packing_free(&first);
     while (*states) {
-        int unloaded = *states == 'u';
+        int unloaded = *states == 'u', foreign = *states == 'x';
         char *end;
-        long index = strtol(states + unloaded, &end, 10);
-        if (end == states + unloaded || series->count == SERIES_CASE_STATES)
+        long index = strtol(states + unloaded + foreign, &end, 10);
+        if (end == states + unloaded + foreign || series->count == SERIES_CASE_STATES)
             return error_input("states '%s': give numbers", states);
-        snprintf(path, sizeof path, "%s/k%g-s%d%s/%04ld.truth.hdf", folder, kappa, packing, unloaded ? "-unloaded" : "",
-                 index);
+        snprintf(path, sizeof path, "%s/k%g-s%d%s/%04ld.truth.hdf", folder, kappa, foreign ? 3 - packing : packing,
+                 unloaded ? "-unloaded" : "", index);
         if (packing_read(path, &series->truth[series->count]))
             return -1;
         series->count++;
@@ -63,7 +63,7 @@ void series_case_free(struct series_case *series)
 
 struct drawing {
     const struct series_errors *errors;
-    double pixel, window;
+    double pixel, mean, offset, window; /* m, N, m, m */
     uint64_t seed;
     size_t state;
 };
@@ -104,6 +104,9 @@ static int put(const struct drawing *drawing, struct packing *packing, size_t c,
     contacts->nx[c] = n.x, contacts->ny[c] = n.y, contacts->x[c] = at.x, contacts->y[c] = at.y;
     contacts->overlap[c] = overlap, contacts->s_overlap[c] = sqrt(variance);
     contacts->flags[c] = overlap < 0 ? CONTACT_CANDIDATE : 0;
+    double radii = j >= g->count ? 1 : 2;
+    if (drawing->errors->margin > 0) /* the offset is known, and the list cut too short */
+        return overlap - radii * drawing->offset > -drawing->errors->margin * sqrt(variance);
     return overlap > -4 * sqrt(variance) - drawing->window;
 }
 
@@ -182,8 +185,11 @@ static int draw_state(const struct drawing *drawing, const struct packing *truth
     if (drawing->errors->shape > 0 && table_add(&GRAINS, &measured->grains, "s_shape"))
         return -1;
     for (size_t k = 0; k < measured->grains.count; k++) {
-        if (!isfinite(measured->grains.load_x[k]))
-            measured->grains.load_x[k] = measured->grains.load_y[k] = 0;
+        double body = drawing->errors->body * drawing->mean;
+        measured->grains.load_x[k] = body * random_normal(key_of(drawing->seed, 8), 2 * k);
+        measured->grains.load_y[k] = body * random_normal(key_of(drawing->seed, 8), 2 * k + 1);
+        if (measured->grains.load_m)
+            measured->grains.load_m[k] = 0;
     }
     move_grains(drawing, offset, &measured->grains);
     shift_walls(drawing, &measured->walls);
@@ -196,7 +202,8 @@ int series_case_draw(struct series_case *series, const struct series_errors *err
     series->pixel = series->mean / kn / OVERLAP_PX;
     series->offset = errors->offset * series->pixel * (random_uniform(key_of(seed, 1), 0) < 0.5 ? -1 : 1);
     for (size_t s = 0; s < series->count; s++) {
-        struct drawing drawing = {errors, series->pixel, 2 * errors->offset * series->pixel, seed, s};
+        struct drawing drawing = {
+            errors, series->pixel, series->mean, series->offset, 2 * errors->offset * series->pixel, seed, s};
         if (draw_state(&drawing, &series->truth[s], series->offset, &series->measured[s]))
             return -1;
     }

@@ -15,6 +15,7 @@ struct series_errors {
     double track, track_deg;    /* of one photo: x and y, rotation */
     double shape;               /* rms of each rim, harmonics 2 to 5, turning with the grain */
     double lost;                /* share of the true contacts that the list lacks */
+    double margin;              /* not 0: the list ends at so many standard errors of an overlap, not at 4 */
     double wall_load;           /* relative error of each wall load */
     double body;                /* unknown force on each grain, in <fn>, x and y */
 };
@@ -30,7 +31,8 @@ struct series_case {
     double offset;      /* m: as drawn */
 };
 
-/* `states`: "0 10 15" are states of FOLDER/kK-sP, "u3" one of FOLDER/kK-sP-unloaded. */
+/* `states`: "0 10 15" are states of FOLDER/kK-sP, "u3" one of FOLDER/kK-sP-unloaded,
+ * "x15" one of the other packing. */
 int series_case_read(const char *folder, double kappa, int packing, const char *states, struct series_case *series);
 /* Fill `measured`. */
 int series_case_draw(struct series_case *series, const struct series_errors *errors, uint64_t seed);
