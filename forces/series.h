@@ -12,7 +12,6 @@ struct series_options {
     int fit_stiffness; /* 1: so is kn */
     int tangential;    /* 1: measured tangential motions between consecutive photos count */
     int samples;       /* draws for s_fn, s_ft, fn_min, fn_max; 0: none */
-    size_t block;      /* states at a time; 0: all */
 };
 #define SERIES_SOFTNESS 0.002
 #define SERIES_OPTIONS_DEFAULT                                                                                         \

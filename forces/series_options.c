@@ -8,24 +8,21 @@
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
 
-static const char *const KEYS[] = {"softness", "shape_px", "offset", "stiffness", "tangential", "block", NULL};
+static const char *const KEYS[] = {"softness", "shape_px", "offset", "stiffness", "tangential", NULL};
 
 int series_options_read(const struct scene *scene, struct series_options *options)
 {
     const struct json *json = scene->json;
     const cJSON *section = scene_section(scene, "forces"), *object = NULL;
     double shape = NAN;
-    long block = 0;
     if (!section || json_object(json, section, "series", &object) <= 0)
         return section && json_object(json, section, "series", &object) < 0 ? -1 : 0;
     if (json_check_keys(json, object, KEYS) || json_number(json, object, "softness", 1e-5, 1, &options->softness) < 0 ||
         json_number(json, object, "shape_px", 0, 100, &shape) < 0 ||
         json_boolean(json, object, "offset", &options->fit_offset) < 0 ||
         json_boolean(json, object, "stiffness", &options->fit_stiffness) < 0 ||
-        json_boolean(json, object, "tangential", &options->tangential) < 0 ||
-        json_integer(json, object, "block", 0, 100000, &block) < 0)
+        json_boolean(json, object, "tangential", &options->tangential) < 0)
         return -1;
-    options->block = (size_t)block;
     if (!isnan(shape) && shape > 0 && !(scene->scale > 0))
         return scene_lacks(scene, "scale_m_per_px", "forces.series.shape_px is in px");
     if (!isnan(shape))

@@ -1,6 +1,6 @@
 /* How near series comes to the truth (docs/series_forces.md), on the states of tests/bench/series_states:
  *
- *     bench_series table|hard|curves FOLDER [FIRST [LAST]]     rows FIRST to LAST
+ *     bench_series table|hard|curves FOLDER [FIRST [LAST [DRAWS]]]     rows FIRST to LAST
  *     bench_series run FOLDER KAPPA PACKING "0 10 15 20 25" SEED
  *
  * Each row is an average over draws of the errors on two packings. All times are CPU seconds. */
@@ -36,10 +36,10 @@ struct row {
 static const struct row TABLE[] = {
     ROW("5 photos over 1.5 % strain", WIDE, 1000, .errors = {USUAL}, .alone = 1),
     ROW("31 photos", ALL, 1000, .errors = {USUAL}),
-    ROW("5 photos within 1.6e-4", "0 2 4 6 8", 1000, .errors = {USUAL}, .alone = 1),
+    ROW("5 photos within 1.6e-4", "0 2 4 6 8", 1000, .errors = {USUAL}),
     ROW("1.2 % load, full load (scored)", "u3 0", 1000, .errors = {USUAL}, .last = 1),
-    ROW("kappa 10000, 5 photos", WIDE, 10000, .errors = {USUAL}, .alone = 1),
-    ROW("kappa 100, 5 photos", WIDE, 100, .errors = {USUAL}, .alone = 1),
+    ROW("kappa 10000, 5 photos", WIDE, 10000, .errors = {USUAL}),
+    ROW("kappa 100, 5 photos", WIDE, 100, .errors = {USUAL}),
     ROW("kn 10 % wrong, fitted", WIDE, 1000, .errors = {USUAL}, .kn = 1.1, .fit = 1),
     ROW("list cut at 2 standard errors", WIDE, 1000, .errors = {USUAL, .margin = 2}),
     ROW("0.2 % of all contacts lost", WIDE, 1000, .errors = {USUAL, .lost = 0.002}),
@@ -156,9 +156,9 @@ static void headline(void)
            "r(fn) r(ft)", "z fn ft", "held", "kn", "2F/n worst", "cpu s, steps, ok");
 }
 
-static int print_row(const char *folder, const struct row *row)
+static int print_row(const char *folder, const struct row *row, int asked)
 {
-    int draws = row->draws > 0 ? row->draws : 3, converged = 1, steps = 0;
+    int draws = asked > 0 ? asked : row->draws > 0 ? row->draws : 3, converged = 1, steps = 0;
     struct result sum = {0};
     double worst_fn = 0, worst_ft = 0, most = 0;
     for (int k = 0; k < draws; k++) {
@@ -185,11 +185,11 @@ static int print_row(const char *folder, const struct row *row)
     return 0;
 }
 
-static int print_rows(const char *folder, const struct row *rows, size_t count, size_t first, size_t last)
+static int print_rows(const char *folder, const struct row *rows, size_t count, size_t first, size_t last, int draws)
 {
     headline();
     for (size_t k = first; k <= last && k < count; k++)
-        if (print_row(folder, &rows[k]))
+        if (print_row(folder, &rows[k], draws))
             return -1;
     return 0;
 }
@@ -215,16 +215,18 @@ int main(int argc, char **argv)
                   {"hard", HARD, sizeof HARD / sizeof *HARD},
                   {"curves", CURVES, sizeof CURVES / sizeof *CURVES}};
     size_t first = argc > 3 ? (size_t)atoi(argv[3]) : 0, last = argc > 4 ? (size_t)atoi(argv[4]) : 1000;
+    int draws = argc > 5 ? atoi(argv[5]) : 0;
     int status = 2;
     if (argc == 7 && !strcmp(argv[1], "run"))
         status = run_one(argv) ? 1 : 0;
     for (size_t k = 0; k < 3 && argc > 2 && status == 2; k++)
         if (!strcmp(argv[1], tables[k].name))
-            status = print_rows(argv[2], tables[k].rows, tables[k].count, first, last) ? 1 : 0;
+            status = print_rows(argv[2], tables[k].rows, tables[k].count, first, last, draws) ? 1 : 0;
     if (status == 1)
         fprintf(stderr, "bench_series: %s\n", error_message());
     if (status == 2)
-        fprintf(stderr, "usage: bench_series table|hard|curves FOLDER [FIRST [LAST]], bench_series run FOLDER KAPPA "
-                        "PACKING STATES SEED\n");
+        fprintf(stderr,
+                "usage: bench_series table|hard|curves FOLDER [FIRST [LAST [DRAWS]]], bench_series run FOLDER KAPPA "
+                "PACKING STATES SEED\n");
     return status;
 }
