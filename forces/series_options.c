@@ -58,8 +58,7 @@ char *series_options_text(const struct force_options *options, const struct seri
         !add(object, "mu_wall", options->law.mu_wall) && !add(object, "softness", series->softness) &&
         !add(object, "shape_m", series->shape) && !add(object, "offset", series->fit_offset) &&
         !add(object, "stiffness", series->fit_stiffness) && !add(object, "tangential", series->tangential) &&
-        !add(object, "samples", series->samples) && !add(object, "block", (double)series->block) &&
-        !add_found(object, summary))
+        !add(object, "samples", series->samples) && !add_found(object, summary))
         text = json_print(object);
     cJSON_Delete(object);
     if (!text)
