@@ -146,7 +146,7 @@ static int infer_members(const struct series_request *request, struct member *me
         status = write_all(request, members, forces, &summary, unbalanced, grains);
     }
     if (!status && is_folder(request->output))
-        status = series_write_table(request->output, packings, forces, request->count, &summary);
+        status = series_write_table(request->output, packings, request->count, &summary);
     series_summary_free(&summary);
     free(packings);
     return status;

@@ -68,8 +68,8 @@ char *series_options_text(const struct force_options *options, const struct seri
 
 static const char HEADER[] = "index,mean_fn_N,contacts,open,fresh,data,misfit,information,residual\n";
 
-static int print_table(const char *path, const struct packing *const *packings, const struct forces *forces,
-                       size_t count, const struct series_summary *summary)
+static int print_table(const char *path, const struct packing *const *packings, size_t count,
+                       const struct series_summary *summary)
 {
     FILE *file = fopen(path, "w");
     if (!file)
@@ -77,16 +77,17 @@ static int print_table(const char *path, const struct packing *const *packings, 
     fputs(HEADER, file);
     for (size_t s = 0; s < count; s++) {
         const struct series_photo *photo = &summary->photo[s];
+        const struct forces *forces = packing_forces(packings[s], "series");
         fprintf(file, "%" PRId64 ",%.9g,%zu,%zu,%zu,%zu,%.4f,%.1f,%.3e\n", packings[s]->info.index, photo->mean,
                 photo->contacts, photo->open, photo->fresh, photo->data, photo->misfit, photo->information,
-                forces[s].imbalance);
+                forces ? forces->imbalance : NAN);
     }
     int failed = ferror(file);
     return fclose(file) || failed ? error_failed("%s: cannot be written: is the disk full?", path) : 0;
 }
 
-int series_write_table(const char *folder, const struct packing *const *packings, const struct forces *forces,
-                       size_t count, const struct series_summary *summary)
+int series_write_table(const char *folder, const struct packing *const *packings, size_t count,
+                       const struct series_summary *summary)
 {
     size_t room = strlen(folder) + 20;
     char *path = malloc(room);
@@ -96,7 +97,7 @@ int series_write_table(const char *folder, const struct packing *const *packings
     snprintf(path, room, "%s/series.csv", folder);
     int status = new_file_begin(&file, path);
     if (!status) {
-        status = print_table(file.temporary, packings, forces, count, summary);
+        status = print_table(file.temporary, packings, count, summary);
         if (status)
             new_file_discard(&file);
         else

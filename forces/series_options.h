@@ -10,8 +10,8 @@ int series_options_read(const struct scene *scene, struct series_options *option
 /* JSON of everything that changes numbers, and of what was found; to be freed. */
 char *series_options_text(const struct force_options *options, const struct series_options *series,
                           const struct series_summary *summary);
-/* FOLDER/series.csv: one line per photo. */
-int series_write_table(const char *folder, const struct packing *const *packings, const struct forces *forces,
-                       size_t count, const struct series_summary *summary);
+/* FOLDER/series.csv: one line per photo, whose packing has its forces. */
+int series_write_table(const char *folder, const struct packing *const *packings, size_t count,
+                       const struct series_summary *summary);
 
 #endif
