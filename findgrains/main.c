@@ -10,10 +10,11 @@
 static const char doc[] =
     "Find the grains of one photo: centre, radius and (where the rims ask for it) elliptic shape, in pixels, with "
     "standard errors.\n\nNothing has to be tuned: grey levels, blur and noise are taken from the photo. From the scene "
-    "it "
-    "uses photos.size_px and photos.channel, frame (where grains can be; left out: the whole photo), grains.radius_px "
-    "(left out: from 1/400 of the zone's smaller side, 5 px at least, which is slow on a large photo) and "
-    "findgrains.shape (auto, circle or ellipse).\v"
+    "it uses photos.size_px and photos.channel, frame (where grains can be; left out: found from the grains that lean "
+    "against it, if there is one), grains.radius_px (left out: found from the photo, largest grains first; give it "
+    "when "
+    "grains differ in size by more than two octaves and the small ones are few) and findgrains.shape (auto, circle or "
+    "ellipse).\v"
     "Example: findgrains --scene scene.json --picture 0000.png photos/0000.tif -o 0000.grains.hdf";
 
 struct arguments {
