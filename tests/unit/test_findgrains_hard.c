@@ -185,6 +185,7 @@ static void eight_bits(void **state)
     (void)state;
     size_t count = pack(&hard, discs);
     check_done(discs_draw(WIDTH, HEIGHT, discs, count, &hard.scenery, &photo));
+    struct outcome sixteen = find(&hard, &photo, discs, count);
     for (size_t k = 0; k < (size_t)WIDTH * HEIGHT; k++)
         photo.pixels[k] = (uint16_t)(photo.pixels[k] / 257);
     photo.bits = 8;
@@ -192,6 +193,7 @@ static void eight_bits(void **state)
     assert_int_equal(outcome.matched, count);
     assert_int_equal(outcome.extra, 0);
     check_at_most(outcome.centre, 0.06);
+    check_at_most(outcome.centre, 1.5 * sixteen.centre);
     photo_free(&photo);
 }
 
