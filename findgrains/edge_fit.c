@@ -99,7 +99,7 @@ static double neighbour_profile(const struct annulus *ring, double x, double y, 
 
 /* Two numbers that are multiplied at once; sums need no alignment of their own. */
 typedef double pair __attribute__((vector_size(16)));
-typedef double loose_pair __attribute__((vector_size(16), aligned(8)));
+typedef double loose_pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* Products of the first 2 x `pairs` columns: the upper triangle, and what pairs of numbers bring along below it. */
 static inline void add_triangle(const pair *row, int pairs, double *sums)
