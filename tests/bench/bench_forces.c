@@ -10,6 +10,7 @@
 
 #include "forces/range.h"
 #include "pipeline/error.h"
+#include "pipeline/random.h"
 #include "tests/bench/force_states.h"
 
 struct bench {
@@ -195,6 +196,72 @@ static int table_network(const struct bench *bench, const struct packing *truth,
     return 0;
 }
 
+/* Take out the rows that are marked, as if they had never been found. */
+static void forget_contacts(struct contacts *contacts, const unsigned char *lost)
+{
+    size_t kept = 0;
+    for (size_t c = 0; c < contacts->count; c++, kept += !lost[c - 1])
+        for (size_t k = 0; k < CONTACTS.column_count; k++) {
+            size_t size = column_size(CONTACTS.columns[k].type);
+            char *values = *(char **)table_array(&CONTACTS.columns[k], contacts);
+            if (values && !lost[c])
+                memmove(values + kept * size, values + c * size, size);
+        }
+    contacts->count = kept;
+}
+
+/* Marks the contacts of `rods` grains that carry at least three mean forces in all, and a share of all contacts. */
+static void lose(const struct packing *truth, size_t rods, double share, uint64_t seed, unsigned char *lost)
+{
+    const struct contacts *contacts = &truth->contacts;
+    const double *fn = packing_forces(truth, "dem")->contact.fn, mean = states_mean_force(truth);
+    for (size_t c = 0; c < contacts->count; c++)
+        lost[c] = random_uniform(seed + 5, c) < share;
+    for (uint64_t k = 0; rods > 0; k++) {
+        int64_t grain = (int64_t)(random_bits(seed + 99, k) % truth->grains.count);
+        double carried = 0;
+        for (size_t c = 0; c < contacts->count; c++)
+            carried += contacts->i[c] == grain || contacts->j[c] == grain ? fn[c] : 0;
+        if (carried < 3 * mean)
+            continue;
+        for (size_t c = 0; c < contacts->count; c++)
+            lost[c] |= contacts->i[c] == grain || contacts->j[c] == grain;
+        rods--;
+    }
+}
+
+/* Rods that were not found and contacts that are missing, at an error of the places of 0.01 and 0.03 px. r counts what
+ * is missing as 0, so that it cannot reach 1. */
+static int table_lost(const struct bench *bench, const struct packing *truth, const char *label)
+{
+    static const struct {
+        double pixels, share;
+        size_t rods;
+    } cases[] = {{0.01, 0, 2}, {0.01, 0.02, 0}, {0.01, 0.02, 2}, {0.03, 0, 2}, {0.03, 0.02, 0}, {0.03, 0.02, 2}};
+    unsigned char *lost = malloc(truth->contacts.count + 1);
+    int status = lost ? 0 : -1;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases && !status; k++) {
+        struct disturbance disturbance = {.place = PIXEL * cases[k].pixels, .seed = bench->seed};
+        struct force_options options = usual();
+        struct packing measured;
+        char text[100];
+        snprintf(text, sizeof text, "%s %.2f px lost %zu rods %g %%", label, cases[k].pixels, cases[k].rods,
+                 100 * cases[k].share);
+        options.rescale = 1;
+        options.start = START_OVERLAP;
+        status = states_disturb(truth, &disturbance, &measured);
+        lose(truth, cases[k].rods, cases[k].share, bench->seed, lost);
+        forget_contacts(&measured.contacts, lost);
+        for (int method = METHOD_QSM; !status && method <= METHOD_MAP; method++) {
+            options.iterations = method == METHOD_QSM ? 400 : 0;
+            status = measure(truth, &measured, &options, (enum force_method)method, text);
+        }
+        packing_free(&measured);
+    }
+    free(lost);
+    return status;
+}
+
 /* Share of the true normal forces that the stated 90 % interval holds, and how its width ranks the errors. */
 static int table_interval(const struct bench *bench, const struct packing *truth, const char *label)
 {
@@ -370,7 +437,7 @@ int main(int argc, char **argv)
         table *make;
     } tables[] = {{"speed", table_speed},       {"noise", table_noise}, {"network", table_network},
                   {"interval", table_interval}, {"kn", table_kn},       {"along", table_along},
-                  {"range", table_range},       {"warm", table_warm}};
+                  {"range", table_range},       {"warm", table_warm},   {"lost", table_lost}};
     struct bench bench = {.kappa = {1000}, .kappas = 1, .grains = 1850, .strain = 1e-3, .seed = 7};
     table *make = NULL;
     for (int k = 1; k < argc; k++) {
@@ -393,9 +460,10 @@ int main(int argc, char **argv)
             bench.strain = strtod(value, NULL);
     }
     if (!make) {
-        fprintf(stderr, "bench_forces: which table? speed, noise, network, interval, kn, along, range or warm [--kappa "
-                        "K,... --grains N "
-                        "--steps N]\n");
+        fprintf(stderr,
+                "bench_forces: which table? speed, noise, network, interval, kn, along, range, lost or warm [--kappa "
+                "K,... --grains N "
+                "--steps N]\n");
         return EXIT_USAGE;
     }
     if (!run(&bench, make))
