@@ -41,7 +41,7 @@ static int array_alloc(const struct column *column, void *table, size_t rows)
     void **array = table_array(column, table);
     *array = calloc(rows ? rows : 1, column_size(column->type));
     if (!*array)
-        return error_memory(column->name);
+        return error_failed("out of memory: %zu rows of column %s: use a machine with more memory", rows, column->name);
     if (column->type == COLUMN_DOUBLE)
         for (size_t k = 0; k < rows; k++)
             ((double *)*array)[k] = NAN;

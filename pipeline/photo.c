@@ -16,7 +16,8 @@ int photo_alloc(struct photo *photo, int width, int height)
         return error_input("a photo of %d x %d pixels: give sizes from 1 up, at most 2^30 pixels", width, height);
     photo->pixels = malloc((size_t)width * (size_t)height * sizeof *photo->pixels);
     if (!photo->pixels)
-        return error_memory("the pixels of a photo");
+        return error_failed("out of memory: %zu MB for the pixels of a photo: use a machine with more memory",
+                            (size_t)width * (size_t)height * sizeof *photo->pixels / 1000000);
     photo->width = width;
     photo->height = height;
     photo->bits = 16;

@@ -75,6 +75,6 @@ int state_read_numbers(const struct state *state, const char *group, const char 
 
 /* SHA-256 of a file, of a text, as 64 hexadecimal digits. */
 int file_sha256(const char *path, char digest[65]);
-int text_sha256(const char *text, char digest[65]);
+int text_sha256(const char *content, char digest[65]);
 
 #endif
