@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <threads.h>
+#include <pthread.h>
 
 #include "pipeline/error.h"
 #include "tracker/simd.h"
@@ -186,7 +186,7 @@ static void fill_noise_gains(void)
 
 double bspline_noise_gain(enum bspline_order order, double x)
 {
-    static once_flag once = ONCE_FLAG_INIT;
-    call_once(&once, fill_noise_gains);
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, fill_noise_gains);
     return noise_gains[order][(int)((x - floor(x)) * PHASES + 0.5) % PHASES];
 }
