@@ -83,7 +83,9 @@ static void count_overlaps(const struct grains *grains, double px, struct contac
     for (size_t p = 0; p < network->pairs.count; p++) {
         const struct pair *pair = &network->pairs.pair[p];
         double bin = floor((pair->overlap + reach) / width);
-        if ((size_t)pair->j < grains->count && bin >= 0 && bin < HISTOGRAM_BINS)
+        if ((size_t)pair->j >= grains->count || ((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST))
+            continue;
+        if (bin >= 0 && bin < HISTOGRAM_BINS)
             (is_idle(network, grains, pair) ? histogram->idle : histogram->bearing)[(int)bin]++;
     }
     for (int b = 0; b < HISTOGRAM_BINS; b++) {
