@@ -23,7 +23,8 @@ static const struct column residual_columns[] = {
 };
 
 static const struct column ray_columns[] = {
-    COLUMN(struct rays, ray_x, COLUMN_DOUBLE, "1", "motion of the grain that proves the loads infeasible, to the right"),
+    COLUMN(struct rays, ray_x, COLUMN_DOUBLE, "1",
+           "motion of the grain that proves the loads infeasible, to the right"),
     COLUMN(struct rays, ray_y, COLUMN_DOUBLE, "1", "the same, upwards"),
     COLUMN(struct rays, ray_m, COLUMN_DOUBLE, "1", "the same, rotation times mean radius"),
 };

@@ -48,7 +48,7 @@ struct forces {
     struct rays ray; /* empty unless infeasible */
     int iterations;
     int converged;
-    int infeasible; /* proved: no admissible forces balance the loads */
+    int infeasible;      /* proved: no admissible forces balance the loads */
     double imbalance;    /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
     double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
     double kn, kt;       /* N/m, as used; NaN when not used */
