@@ -31,7 +31,7 @@ static const struct argp_option option_list[] = {
     {"previous", PREVIOUS, "FILE", 0, "Forces of the previous state: for cem and --start previous", 0},
     {"tolerance", TOLERANCE, "X", 0, "Largest unbalanced force over the mean normal force (1e-6)", 0},
     {"iterations", ITERATIONS, "N", 0, "Stop after N iterations (0: the method's own limit)", 0},
-    {"samples", SAMPLES, "N", 0, "map: N draws for standard deviations and 90 % intervals (0: none)", 0},
+    {"samples", SAMPLES, "N", 0, "map, series: N draws for standard deviations and 90 % intervals (0: none)", 0},
     {"walk", WALK, "N", 0, "cdm, qsm, map: N random jumps from the forces found, for their variability (0: none)", 0},
     {"range", RANGE, "ROWS", 0, "Exact least and largest fn of these contacts: 3,10-14 or all", 0},
     {"fclib", FCLIB, "FILE", 0, "Also write the contact problem for other solvers (Local form of FCLib, HDF5)", 0},
@@ -86,6 +86,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
                        arguments->inputs.paths[1]);
         if (arguments->series && (arguments->walk > 0 || arguments->range))
             argp_error(state, "--walk and --range look at one packing: not with --method series");
+        if (arguments->series && (arguments->previous || arguments->start || arguments->fclib || arguments->fix >= 0))
+            argp_error(state, "--method series takes all states together, from their overlaps: name every file instead "
+                              "of --previous, --start, --fix or --fclib");
         if (arguments->samples > 0 && arguments->walk > 0)
             argp_error(state, "--samples and --walk both fill s_fn and fn_min: give one of them");
         return 0;
