@@ -14,7 +14,7 @@
 #include "pipeline/error.h"
 
 #define CANDIDATE 4 /* standard errors: pairs further apart are left out */
-enum { ROUNDS = 4 };
+enum { ROUNDS = 4, LARGE = 4000 /* contacts of all states */ };
 
 /* ---- the series in memory ---- */
 
@@ -88,6 +88,7 @@ static int leave_out_far(struct series_state *state, double offset)
 static int series_begin(const struct packing *const *packings, size_t count, const struct series_loads *loads,
                         struct series *series)
 {
+    size_t contacts = 0;
     series->count = count;
     series->force = loads->force;
     series->stiffness = loads->kn / loads->force;
@@ -101,7 +102,9 @@ static int series_begin(const struct packing *const *packings, size_t count, con
         if (leave_out_far(&series->state[s], loads->offset) || series_state_build(series, s) ||
             series_state_measure(series, s, loads->offset, loads->s_offset))
             return error_context("state %zu of the series", s + 1);
+        contacts += series->state[s].network.count;
     }
+    series->large = contacts > LARGE;
     return 0;
 }
 

@@ -132,7 +132,7 @@ static int factorise_near(struct series *series)
 int series_factorise(struct series *series)
 {
     struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         if (factorise(&series->state[s]))
             error_share(&shared, (long)s);
@@ -175,7 +175,7 @@ static int state_product(const struct series *series, struct series_state *state
 int series_product(struct series *series, const double *v, double *out)
 {
     struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         if (state_product(series, &series->state[s], v))
             error_share(&shared, (long)s);

@@ -28,7 +28,7 @@ typedef int state_work(const struct series *series, struct series_state *state);
 static int for_states(struct series *series, state_work *work)
 {
     struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         if (work(series, &series->state[s]))
             error_share(&shared, (long)s);
@@ -319,7 +319,7 @@ static void move(struct series_state *state, double length)
 
 int series_linearise(struct series *series)
 {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         for (size_t c = 0; c < series->state[s].network.count; c++)
             compliance(&series->state[s], c, series->state[s].curve[c]);
@@ -329,7 +329,7 @@ int series_linearise(struct series *series)
 /* Steps of everything but the edges, for what gy, gl, pull and defect say. */
 static int solve(struct series *series, double aim, double share)
 {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         prepare(&series->state[s], aim);
     if (for_states(series, state_right))
@@ -349,14 +349,14 @@ static int step(struct series *series, double aim, double *length)
 {
     if (series_linearise(series) || solve(series, aim, SHARED))
         return -1;
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         series->state[s].sum[0] = reach(&series->state[s], aim);
     *length = 1 / BOUNDARY;
     for (size_t s = 0; s < series->count; s++)
         *length = fmin(*length, series->state[s].sum[0]);
     *length = fmin(1, BOUNDARY * *length);
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
         move(&series->state[s], *length);
     for (size_t k = 0; k < series->shared.count; k++)

@@ -71,6 +71,7 @@ struct series {
     struct series_shared shared;
     const struct force_options *options;
     const struct series_options *series_options;
+    int large;           /* enough work for several threads */
     double force;        /* N: the unit, common to all states */
     double stiffness;    /* kn in units per m */
     double s_stiffness;  /* its relative standard error beforehand */
