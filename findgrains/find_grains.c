@@ -35,8 +35,10 @@ static int look_at(const struct photo *photo, const struct find_options *options
 {
     *notes = (struct find_notes){0};
     if (zone_make(photo->width, photo->height, options->has_frame ? options->corners_px : NULL,
-                  options->corner_radius_px, &notes->zone) ||
-        threshold_find(photo, &notes->zone, &notes->levels))
+                  options->corner_radius_px, &notes->zone))
+        return -1;
+    notes->zone.bend = options->frame_bend_px;
+    if (threshold_find(photo, &notes->zone, &notes->levels))
         return -1;
     double contrast = notes->levels.grain_level - notes->levels.void_level;
     if (!(contrast > 0))

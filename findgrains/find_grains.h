@@ -15,8 +15,9 @@ enum find_shape { FIND_SHAPE_AUTO, FIND_SHAPE_CIRCLE, FIND_SHAPE_ELLIPSE };
 struct find_options {
     double radius_min_px, radius_max_px; /* NaN: estimated */
     int has_frame;
-    struct vec corners_px[4];              /* top-left, top-right, bottom-right, bottom-left */
-    double corner_radius_px;               /* 0: no discs at the corners */
+    struct vec corners_px[4]; /* top-left, top-right, bottom-right, bottom-left */
+    double frame_bend_px;     /* how far the lens bends the frame's sides away from the lines between these corners */
+    double corner_radius_px;  /* 0: no discs at the corners */
     const struct corrections *corrections; /* by hand; NULL: none */
     enum find_shape shape;                 /* auto: ellipses when the rims of this photo ask for them */
 };

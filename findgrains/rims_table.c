@@ -23,7 +23,7 @@ static uint32_t flags_of(const struct zone *zone, const struct refined *item, co
     double x = item->rim.x, y = item->rim.y, r = item->rim.radius;
     if (!isfinite(x + y + r))
         return flags | GRAIN_LOST;
-    if (zone_photo_depth(zone, x, y) < r || zone_depth(zone, x, y) < r - fmax(CUT_DEPTH, 0.03 * r))
+    if (zone_photo_depth(zone, x, y) < r || zone_depth(zone, x, y) < r - fmax(CUT_DEPTH, 0.03 * r) - zone->bend)
         flags |= GRAIN_CUT;
     if (item->support < MEASURE_LEAST_SUPPORT)
         return flags | GRAIN_WEAK_EDGE | GRAIN_NO_CONTRAST;

@@ -1,11 +1,27 @@
 #include "findgrains/settings.h"
 
 #include "pipeline/error.h"
+#include "pipeline/lens.h"
 
 #include <math.h>
 #include <string.h>
 
 static const char *const shapes[] = {"auto", "circle", "ellipse", NULL};
+
+/* The frame's sides are straight; through the lens they are seen bent between the corners. */
+static int read_bend(const struct scene *scene, struct find_options *options)
+{
+    struct lens lens;
+    options->frame_bend_px = 0;
+    if (!scene->lens || !options->has_frame)
+        return 0;
+    if (lens_read(scene->lens, &lens))
+        return -1;
+    for (int k = 0; k < 4; k++)
+        options->frame_bend_px =
+            fmax(options->frame_bend_px, lens_bend(&lens, options->corners_px[k], options->corners_px[(k + 1) % 4]));
+    return 0;
+}
 
 int settings_read(const struct scene *scene, struct find_options *options)
 {
@@ -15,6 +31,8 @@ int settings_read(const struct scene *scene, struct find_options *options)
     options->has_frame = scene->frame.given;
     options->corner_radius_px = scene->frame.corner_radius_px;
     memcpy(options->corners_px, scene->frame.corners_px, sizeof options->corners_px);
+    if (read_bend(scene, options))
+        return -1;
     const cJSON *section = scene_section(scene, "findgrains");
     int shape = FIND_SHAPE_AUTO;
     if (section &&
@@ -38,6 +56,8 @@ static void add_frame(cJSON *object, const struct find_options *options)
         cJSON_AddItemToArray(corners, cJSON_CreateDoubleArray(corner, 2));
     }
     add_number(frame, "corner_radius_px", options->corner_radius_px);
+    if (options->frame_bend_px > 0)
+        add_number(frame, "bend_px", options->frame_bend_px);
 }
 
 static void add_corrections(cJSON *object, const struct corrections *corrections)

@@ -5,7 +5,7 @@
 #include "pipeline/scene.h"
 #include "findgrains/find_grains.h"
 
-/* From grains.radius_px, frame and findgrains.shape; leaves the corrections alone. */
+/* From grains.radius_px, frame (through the lens) and findgrains.shape; leaves the corrections alone. */
 int settings_read(const struct scene *scene, struct find_options *options);
 /* The same as JSON text, to be freed; NULL with an error when out of memory. */
 char *settings_print(const struct find_options *options);

@@ -9,6 +9,7 @@ struct zone {
     int has_frame;         /* 0: the whole photo */
     struct vec corners[4]; /* top-left, top-right, bottom-right, bottom-left */
     double corner_radius;  /* of the discs at the corners; 0: none */
+    double bend;           /* px that the frame's sides are seen away from the lines between the corners */
     struct vec inward[4];  /* unit normals of the four sides, into the zone */
     int x0, y0, x1, y1;    /* bounding box inside the photo, x1 and y1 excluded */
 };

@@ -83,3 +83,16 @@ int lens_read(const char *path, struct lens *lens)
     json_free(json);
     return status;
 }
+
+double lens_bend(const struct lens *lens, struct vec a, struct vec b)
+{
+    enum { PARTS = 16 };
+    struct vec from = lens_corrected(lens, a), to = lens_corrected(lens, b), along = vec_sub(b, a);
+    double length = vec_norm(along), bend = 0;
+    for (int k = 1; k < PARTS && length > 0; k++) {
+        struct vec straight = vec_add(from, vec_scale((double)k / PARTS, vec_sub(to, from)));
+        double distance = fabs(vec_cross(along, vec_sub(lens_seen(lens, straight), a))) / length;
+        bend = fmax(bend, distance);
+    }
+    return bend;
+}

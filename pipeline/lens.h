@@ -27,4 +27,7 @@ struct vec lens_seen(const struct lens *lens, struct vec corrected);
 /* Derivatives of lens_corrected(): jacobian[a][b] = d corrected_a / d seen_b. */
 void lens_jacobian(const struct lens *lens, struct vec seen, double jacobian[2][2]);
 
+/* A straight edge, whose ends are seen at a and b, is seen bent: its largest distance from the chord, px. */
+double lens_bend(const struct lens *lens, struct vec a, struct vec b);
+
 #endif

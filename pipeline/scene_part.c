@@ -39,7 +39,7 @@ size_t scene_part_files(const struct scene *scene, const char *stage, const char
 {
     size_t count = 0;
     int contacts = !strcmp(stage, "contacts");
-    if (scene->lens && (contacts || !strcmp(stage, "tracker")))
+    if (scene->lens && (contacts || !strcmp(stage, "findgrains") || !strcmp(stage, "tracker")))
         paths[count++] = scene->lens;
     if (scene->loads && contacts)
         paths[count++] = scene->loads;

@@ -10,8 +10,8 @@
  * "report". */
 char *scene_part(const struct scene *scene, const char *stage);
 
-/* The files that the stage reads because the scene names them: tracker and contacts the lens, contacts the loads.
- * Borrowed from the scene; the number of them, at most 2. */
+/* The files that the stage reads because the scene names them: findgrains, tracker and contacts the lens, contacts the
+ * loads. Borrowed from the scene; the number of them, at most 2. */
 size_t scene_part_files(const struct scene *scene, const char *stage, const char *paths[2]);
 
 #endif

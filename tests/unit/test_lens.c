@@ -72,9 +72,21 @@ static void test_file(void **state)
     remove(path);
 }
 
+/* With K1 alone a side at height Y over the centre, seen from -X to X, is bent by K1 X^2 Y to first order. */
+static void test_bend(void **state)
+{
+    (void)state;
+    struct lens lens = {.centre = vec(5000, 4000), .k = {1e-11}};
+    double bend = lens_bend(&lens, vec(1000, 1000), vec(9000, 1000));
+    check_near(bend, 1e-11 * 4000 * 4000 * 3000.0, 0.01 * 0.48);
+    check_near(lens_bend(&lens, vec(5000, 1000), vec(5000, 7000)), 0, 1e-9); /* through the centre: straight */
+    check_near(lens_bend(&lens, vec(1000, 1000), vec(1000, 1000)), 0, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_brown_term_by_term),
-                                       cmocka_unit_test(test_inverse_and_derivatives), cmocka_unit_test(test_file)};
+                                       cmocka_unit_test(test_inverse_and_derivatives), cmocka_unit_test(test_file),
+                                       cmocka_unit_test(test_bend)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
