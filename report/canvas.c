@@ -4,6 +4,7 @@
 #include <cairo-svg.h>
 #include <fontconfig/fontconfig.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -76,7 +77,12 @@ int canvas_begin(struct canvas *canvas, const char *path, double width, double h
         canvas->surface = cairo_svg_surface_create(canvas->file.temporary, width, height);
         cairo_svg_surface_set_document_unit(canvas->surface, CAIRO_SVG_UNIT_PX);
     } else if (canvas->format == CANVAS_PDF) {
-        canvas->surface = cairo_pdf_surface_create(canvas->file.temporary, width, height);
+        canvas->bytes = calloc(1, sizeof *canvas->bytes);
+        if (!canvas->bytes) {
+            new_file_discard(&canvas->file);
+            return error_memory("a picture");
+        }
+        canvas->surface = cairo_pdf_surface_create_for_stream(append, canvas->bytes, width, height);
         cairo_pdf_surface_set_metadata(canvas->surface, CAIRO_PDF_METADATA_CREATE_DATE, "1970-01-01T00:00:00Z");
     } else {
         canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(width), (int)ceil(height));
@@ -97,6 +103,16 @@ void canvas_discard(struct canvas *canvas)
     memset(canvas, 0, sizeof *canvas);
 }
 
+/* cairo does not tell when the disk refuses what it writes of a PDF: those bytes are written here. */
+static cairo_status_t write_bytes(const struct canvas *canvas)
+{
+    FILE *file = fopen(canvas->file.temporary, "wb");
+    if (!file)
+        return CAIRO_STATUS_WRITE_ERROR;
+    int whole = fwrite(canvas->bytes->data, 1, canvas->bytes->length, file) == canvas->bytes->length;
+    return fclose(file) == 0 && whole ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+}
+
 int canvas_commit(struct canvas *canvas)
 {
     cairo_status_t status = cairo_status(canvas->cairo);
@@ -105,6 +121,8 @@ int canvas_commit(struct canvas *canvas)
     cairo_surface_finish(canvas->surface);
     if (status == CAIRO_STATUS_SUCCESS)
         status = cairo_surface_status(canvas->surface);
+    if (status == CAIRO_STATUS_SUCCESS && canvas->bytes)
+        status = write_bytes(canvas);
     if (status != CAIRO_STATUS_SUCCESS) {
         (void)error_failed("%s: cannot be written: %s: check the room on the disk", canvas->file.path,
                            cairo_status_to_string(status));
