@@ -8,8 +8,6 @@
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
 
-enum { MOST_AT_ONCE = 8 };
-
 static struct contact_law law_of(const struct simulation *simulation, double young, double poisson)
 {
     struct contact_law law = simulation->law;
@@ -91,8 +89,10 @@ void hertz_probes_close(struct hertz_probes *probes)
 }
 
 /* One probe from the beginning. */
-static int probe_once(const struct hertz_probes *probes, const struct hertz_trial *trial, struct probe_row *row)
+static int probe_once(const void *user, const struct hertz_trial *trial, size_t k, struct probe_row *row)
 {
+    const struct hertz_probes *probes = user;
+    (void)k;
     struct contact_law law = law_of(probes->simulation, trial->grain_young, trial->grain_poisson);
     struct simulation anew = *probes->simulation;
     struct probe_packing packing;
@@ -116,29 +116,5 @@ static int probe_once(const struct hertz_probes *probes, const struct hertz_tria
 int hertz_probes_evaluate(struct hertz_trial *trials, size_t count, void *user)
 {
     struct hertz_probes *probes = user;
-    struct error_shared failures = ERROR_SHARED_NONE;
-    struct probe_row rows[MOST_AT_ONCE];
-    int known[MOST_AT_ONCE];
-    for (size_t k = 0; k < count; k++) {
-        const struct probe_row *row =
-            probe_record_find(&probes->record, trials[k].grain_young, trials[k].grain_poisson);
-        known[k] = row != NULL;
-        if (row)
-            rows[k] = *row;
-    }
-#pragma omp parallel for schedule(dynamic, 1)
-    for (size_t k = 0; k < count; k++)
-        if (!known[k] && probe_once(probes, &trials[k], &rows[k]))
-            error_share(&failures, (long)k);
-    if (error_collect(&failures))
-        return -1;
-    for (size_t k = 0; k < count; k++) {
-        if (!known[k] && probe_record_add(&probes->record, &rows[k]))
-            return -1;
-        trials[k].young = rows[k].young;
-        trials[k].poisson = rows[k].poisson;
-        log_event("probe", "grain_young", rows[k].grain_young, "grain_poisson", rows[k].grain_poisson, "young",
-                  rows[k].young, "poisson", rows[k].poisson, "steps", (double)rows[k].steps, NULL);
-    }
-    return 0;
+    return probe_record_answer(&probes->record, probe_once, probes, trials, count);
 }

@@ -16,7 +16,7 @@
 #include "pipeline/error.h"
 
 extern char **environ;
-enum { MOST_ARGUMENTS = 64, MOST_AT_ONCE = 8 };
+enum { MOST_ARGUMENTS = 64 };
 
 /* Spheres thrown at random at half the volume, pushed apart, then compressed isotropically; the part that names the
  * grains is written in between. */
@@ -50,7 +50,7 @@ static const char PROBE[] =
 static int write_file(const struct lammps_probes *probes, const char *name, const char *begin, const char *middle,
                       const char *end)
 {
-    char path[128];
+    char path[256];
     snprintf(path, sizeof path, "%s/%s", probes->folder, name);
     FILE *file = fopen(path, "w");
     int failed = !file || fprintf(file, "%s%s%s", begin, middle, end) < 0;
@@ -87,7 +87,7 @@ int lammps_is_installed(void)
 /* The numbers after RESULT; the last ERROR line otherwise. */
 static int read_result(const char *folder, const char *output, double *numbers, int count)
 {
-    char path[128], line[1024], why[200] = "no result";
+    char path[256], line[1024], why[200] = "no result";
     int found = 0;
     snprintf(path, sizeof path, "%s/%s", folder, output);
     FILE *file = fopen(path, "r");
@@ -251,7 +251,8 @@ int lammps_probes_open(const struct simulation *simulation, double strain, doubl
     if (!lammps_is_installed())
         return error_input("probes of spheres need LAMMPS: install the package lammps");
     probes->d50 = median_diameter(simulation);
-    snprintf(probes->folder, sizeof probes->folder, "/tmp/film_lammps_XXXXXX");
+    const char *temporary = getenv("TMPDIR");
+    snprintf(probes->folder, sizeof probes->folder, "%.100s/film_lammps_XXXXXX", temporary ? temporary : "/tmp");
     if (!mkdtemp(probes->folder))
         return error_failed("%s: %s", probes->folder, strerror(errno));
     double guess = hertz_volume_per_contact(HERTZ_3D, 0.5 * probes->d50, 0.38, 5);
@@ -275,8 +276,8 @@ int lammps_probes_open(const struct simulation *simulation, double strain, doubl
 void lammps_probes_close(struct lammps_probes *probes)
 {
     static const char *const names[] = {"in.pack", "in.probe", "packed.restart", "pack.out"};
-    char path[128];
-    for (int k = 0; k < 4 + MOST_AT_ONCE && *probes->folder; k++) {
+    char path[256];
+    for (int k = 0; k < 4 + PROBES_AT_ONCE && *probes->folder; k++) {
         if (k < 4)
             snprintf(path, sizeof path, "%s/%s", probes->folder, names[k]);
         else
@@ -289,9 +290,9 @@ void lammps_probes_close(struct lammps_probes *probes)
     memset(probes, 0, sizeof *probes);
 }
 
-static int probe_once(const struct lammps_probes *probes, const struct hertz_trial *trial, size_t k,
-                      struct probe_row *row)
+static int probe_once(const void *user, const struct hertz_trial *trial, size_t k, struct probe_row *row)
 {
+    const struct lammps_probes *probes = user;
     struct variables v;
     char output[32];
     double n[7];
@@ -314,29 +315,5 @@ static int probe_once(const struct lammps_probes *probes, const struct hertz_tri
 int lammps_probes_evaluate(struct hertz_trial *trials, size_t count, void *user)
 {
     struct lammps_probes *probes = user;
-    struct error_shared failures = ERROR_SHARED_NONE;
-    struct probe_row rows[MOST_AT_ONCE];
-    int known[MOST_AT_ONCE];
-    for (size_t k = 0; k < count; k++) {
-        const struct probe_row *row =
-            probe_record_find(&probes->record, trials[k].grain_young, trials[k].grain_poisson);
-        known[k] = row != NULL;
-        if (row)
-            rows[k] = *row;
-    }
-#pragma omp parallel for schedule(dynamic, 1)
-    for (size_t k = 0; k < count; k++)
-        if (!known[k] && probe_once(probes, &trials[k], k, &rows[k]))
-            error_share(&failures, (long)k);
-    if (error_collect(&failures))
-        return -1;
-    for (size_t k = 0; k < count; k++) {
-        if (!known[k] && probe_record_add(&probes->record, &rows[k]))
-            return -1;
-        trials[k].young = rows[k].young;
-        trials[k].poisson = rows[k].poisson;
-        log_event("probe", "grain_young", rows[k].grain_young, "grain_poisson", rows[k].grain_poisson, "young",
-                  rows[k].young, "poisson", rows[k].poisson, NULL);
-    }
-    return 0;
+    return probe_record_answer(&probes->record, probe_once, probes, trials, count);
 }

@@ -13,7 +13,7 @@ struct lammps_probes {
     double strain, mu;                   /* of the probe; friction while it is probed */
     double young;                        /* Pa: of the grains in the consolidated packing */
     double porosity, z, volume_per_contact, d50;
-    char folder[64]; /* temporary: scripts and the packing */
+    char folder[128]; /* temporary: scripts and the packing */
     struct probe_record record;
 };
 #define LAMMPS_PROBE_STRAIN 1e-5

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "pipeline/cli.h"
 #include "pipeline/error.h"
 #include "pipeline/json.h"
 
@@ -125,4 +126,35 @@ int probe_record_add(struct probe_record *record, const struct probe_row *row)
     if (record->path && append(record->path, text))
         return -1;
     return keep(record, row);
+}
+
+int probe_record_answer(struct probe_record *record, probe_function *probe_once, const void *probes,
+                        struct hertz_trial *trials, size_t count)
+{
+    struct error_shared failures = ERROR_SHARED_NONE;
+    struct probe_row rows[PROBES_AT_ONCE];
+    int known[PROBES_AT_ONCE];
+    if (count > PROBES_AT_ONCE)
+        return error_input("%zu probes at once: at most %d", count, PROBES_AT_ONCE);
+    for (size_t k = 0; k < count; k++) {
+        const struct probe_row *row = probe_record_find(record, trials[k].grain_young, trials[k].grain_poisson);
+        known[k] = row != NULL;
+        if (row)
+            rows[k] = *row;
+    }
+#pragma omp parallel for schedule(dynamic, 1)
+    for (size_t k = 0; k < count; k++)
+        if (!known[k] && probe_once(probes, &trials[k], k, &rows[k]))
+            error_share(&failures, (long)k);
+    if (error_collect(&failures))
+        return -1;
+    for (size_t k = 0; k < count; k++) {
+        if (!known[k] && probe_record_add(record, &rows[k]))
+            return -1;
+        trials[k].young = rows[k].young;
+        trials[k].poisson = rows[k].poisson;
+        log_event("probe", "grain_young", rows[k].grain_young, "grain_poisson", rows[k].grain_poisson, "young",
+                  rows[k].young, "poisson", rows[k].poisson, "steps", (double)rows[k].steps, NULL);
+    }
+    return 0;
 }

@@ -83,7 +83,7 @@ static int judge(const struct packing *packing, const struct network *network, c
     outcome->converged = outcome->imbalance <= options->tolerance;
     for (size_t k = 0; k < 2 * network->count; k++)
         if (!isfinite(f[k]))
-            return error_failed("the forces are not finite: report this packing");
+            return error_input("the forces are not finite: look for absurd numbers in the file");
     return 0;
 }
 

@@ -389,5 +389,7 @@ int series_optimise(struct series *series, const struct series_aim *aim)
             return -1;
         shrink = length > 0.9 ? 0.1 : length > 0.6 ? 0.2 : length > 0.3 ? 0.4 : 0.7;
     }
-    return isfinite(series->gradient) ? 0 : error_failed("series: numbers that are not finite: report these states");
+    return isfinite(series->gradient)
+               ? 0
+               : error_input("series: the forces are not finite: look for absurd numbers in the files");
 }

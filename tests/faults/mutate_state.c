@@ -64,82 +64,75 @@ static hid_t type_of(hid_t file, const char *name)
     return type;
 }
 
-static const char *const faults[] = {"absent",          "of texts",      "of float32",       "of int8",
-                                     "of rank 2",       "a scalar",      "one row more",     "one row less",
-                                     "empty",           "2^40 rows",     "NaN everywhere",   "1e308 everywhere",
-                                     "-1e9 throughout", "a cyclic link", "an external link", "a dangling link",
-                                     "a group",         "0 everywhere"};
-enum { FAULTS = sizeof faults / sizeof *faults };
+enum {
+    TEXTS,
+    FLOAT32,
+    INT8,
+    RANK_2,
+    SCALAR,
+    LONGER,
+    SHORTER,
+    EMPTY,
+    HUGE_DATASET,
+    ABSENT,
+    CYCLIC_LINK,
+    EXTERNAL_LINK,
+    DANGLING_LINK,
+    GROUP,
+    NANS,
+    LARGE,
+    NEGATIVE,
+    ZEROS,
+    FAULTS
+};
+static const char *const faults[FAULTS] = {
+    "of texts",        "of float32", "of int8",        "of rank 2",        "a scalar",        "one row more",
+    "one row less",    "empty",      "2^40 rows",      "absent",           "a cyclic link",   "an external link",
+    "a dangling link", "a group",    "NaN everywhere", "1e308 everywhere", "-1e9 throughout", "0 everywhere"};
+
+/* Something else than a dataset in its place. */
+static int replace_by_link(hid_t file, const char *name, int fault)
+{
+    char self[NAME + 1];
+    snprintf(self, sizeof self, "/%s", name);
+    if (H5Ldelete(file, name, H5P_DEFAULT) < 0)
+        return 1;
+    if (fault == CYCLIC_LINK)
+        return H5Lcreate_soft(self, file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
+    if (fault == EXTERNAL_LINK)
+        return H5Lcreate_external("other.hdf", self, file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
+    if (fault == DANGLING_LINK)
+        return H5Lcreate_soft("/nowhere", file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
+    if (fault == GROUP)
+        return H5Gclose(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)) < 0;
+    return 0; /* absent */
+}
+
+/* The same name with another type or shape. */
+static int replace_by_dataset(hid_t file, const char *name, int fault)
+{
+    hsize_t rows = rows_of(file, name), dims[2] = {rows, 2}, chunk = 0;
+    hid_t type = type_of(file, name), text = H5Tcopy(H5T_C_S1), other = type;
+    int rank = fault == RANK_2 ? 2 : fault != SCALAR;
+    H5Tset_size(text, 12);
+    if (fault == TEXTS || fault == FLOAT32 || fault == INT8)
+        other = fault == TEXTS ? text : fault == FLOAT32 ? H5T_IEEE_F32LE : H5T_STD_I8LE;
+    if (fault == LONGER || fault == EMPTY)
+        dims[0] = fault == EMPTY ? 0 : rows + 1;
+    if (fault == SHORTER)
+        dims[0] = rows ? rows - 1 : 3;
+    if (fault == HUGE_DATASET)
+        dims[0] = (hsize_t)1 << 40, chunk = 1 << 20;
+    int failed = replace(file, name, other, rank, dims, chunk);
+    H5Tclose(type), H5Tclose(text);
+    return failed;
+}
 
 static int spoil(hid_t file, const char *name, int fault)
 {
-    hsize_t rows = rows_of(file, name), dims[2] = {rows, 2}, other;
-    hid_t type = type_of(file, name), text = H5Tcopy(H5T_C_S1);
-    H5Tset_size(text, 12);
-    char self[NAME + 1];
-    snprintf(self, sizeof self, "/%s", name);
-    int failed = 0;
-    switch (fault) {
-    case 0:
-        failed = H5Ldelete(file, name, H5P_DEFAULT) < 0;
-        break;
-    case 1:
-        failed = replace(file, name, text, 1, dims, 0);
-        break;
-    case 2:
-        failed = replace(file, name, H5T_IEEE_F32LE, 1, dims, 0);
-        break;
-    case 3:
-        failed = replace(file, name, H5T_STD_I8LE, 1, dims, 0);
-        break;
-    case 4:
-        failed = replace(file, name, type, 2, dims, 0);
-        break;
-    case 5:
-        failed = replace(file, name, type, 0, dims, 0);
-        break;
-    case 6:
-        other = rows + 1, failed = replace(file, name, type, 1, &other, 0);
-        break;
-    case 7:
-        other = rows ? rows - 1 : 3, failed = replace(file, name, type, 1, &other, 0);
-        break;
-    case 8:
-        other = 0, failed = replace(file, name, type, 1, &other, 0);
-        break;
-    case 9:
-        other = (hsize_t)1 << 40, failed = replace(file, name, type, 1, &other, 1 << 20);
-        break;
-    case 10:
-        failed = fill(file, name, 0.0 / 0.0);
-        break;
-    case 11:
-        failed = fill(file, name, 1e308);
-        break;
-    case 12:
-        failed = fill(file, name, -1e9);
-        break;
-    case 13:
-        failed =
-            H5Ldelete(file, name, H5P_DEFAULT) < 0 || H5Lcreate_soft(self, file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
-        break;
-    case 14:
-        failed = H5Ldelete(file, name, H5P_DEFAULT) < 0 ||
-                 H5Lcreate_external("other.hdf", self, file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
-        break;
-    case 15:
-        failed = H5Ldelete(file, name, H5P_DEFAULT) < 0 ||
-                 H5Lcreate_soft("/nowhere", file, name, H5P_DEFAULT, H5P_DEFAULT) < 0;
-        break;
-    case 16:
-        failed = H5Ldelete(file, name, H5P_DEFAULT) < 0 ||
-                 H5Gclose(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)) < 0;
-        break;
-    default:
-        failed = fill(file, name, 0);
-    }
-    H5Tclose(type), H5Tclose(text);
-    return failed;
+    if (fault >= NANS)
+        return fill(file, name, (const double[]){0.0 / 0.0, 1e308, -1e9, 0}[fault - NANS]);
+    return fault >= ABSENT ? replace_by_link(file, name, fault) : replace_by_dataset(file, name, fault);
 }
 
 /* Attributes of the root group: absent, a number, an empty text, a text of 100,000 letters. */

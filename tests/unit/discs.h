@@ -115,4 +115,17 @@ static inline void discs_square_lattice(struct packing *packing, size_t nx, size
     discs_touch(packing, 1e-6 * r);
 }
 
+/* nx discs a row in ny rows of a hexagonal crystal, in a box pressed from the right and from above. */
+static inline void discs_hexagonal(struct packing *packing, size_t nx, size_t ny)
+{
+    const double r = 0.01, rise = r * sqrt(3);
+    discs_begin(packing, nx * ny);
+    for (size_t k = 0; k < nx * ny; k++)
+        disc_put(packing, k, r * (1 + 2 * (double)(k % nx) + (double)((k / nx) % 2)), r + rise * (double)(k / nx), r);
+    discs_box(packing, r * (2 * (double)nx + 1), 2 * r + rise * (double)(ny - 1), 0);
+    discs_load_wall(packing, "right", -1000, 0);
+    discs_load_wall(packing, "top", 0, -1200);
+    discs_touch(packing, 1e-6 * r);
+}
+
 #endif

@@ -136,15 +136,8 @@ static void hexagonal_crystal_of_thousands(void **state)
 {
     (void)state;
     const size_t nx = 40, ny = 40;
-    const double r = 0.01, rise = r * sqrt(3);
     struct packing packing;
-    discs_begin(&packing, nx * ny);
-    for (size_t k = 0; k < nx * ny; k++)
-        disc_put(&packing, k, r * (1 + 2 * (double)(k % nx) + (double)((k / nx) % 2)), r + rise * (double)(k / nx), r);
-    discs_box(&packing, r * (2 * (double)nx + 1), 2 * r + rise * (double)(ny - 1), 0);
-    discs_load_wall(&packing, "right", -1000, 0);
-    discs_load_wall(&packing, "top", 0, -1200);
-    discs_touch(&packing, 1e-6 * r);
+    discs_hexagonal(&packing, nx, ny);
     size_t unknowns = 0;
     for (size_t c = 0; c < packing.contacts.count; c++)
         unknowns += packing.contacts.j[c] < (int64_t)(nx * ny) ? 2 : 1;
