@@ -109,13 +109,15 @@ static int write_member(const struct series_request *request, const struct membe
 }
 
 static int write_all(const struct series_request *request, struct member *members, struct forces *forces,
-                     const struct series_summary *summary, size_t *unbalanced, size_t *grains)
+                     const struct series_summary *summary, struct series_outcome *outcome)
 {
     char *parameters = series_options_text(&request->options, &request->series_options, summary);
     int status = parameters ? 0 : -1;
     for (size_t k = 0; k < request->count && !status; k++) {
-        *unbalanced += forces_unbalanced_grains(&members[k].packing, &forces[k], 0.01);
-        *grains += members[k].packing.grains.count;
+        outcome->unbalanced += forces_unbalanced_grains(&members[k].packing, &forces[k], 0.01);
+        outcome->grains += members[k].packing.grains.count;
+        if (!outcome->worst || summary->photo[k].misfit > outcome->worst_misfit)
+            outcome->worst = members[k].path, outcome->worst_misfit = summary->photo[k].misfit;
         status = take_in(&members[k].packing, &forces[k]) || write_member(request, members, k, parameters) ? -1 : 0;
     }
     free(parameters);
@@ -131,7 +133,7 @@ static void tell(const struct series_summary *summary)
 }
 
 static int infer_members(const struct series_request *request, struct member *members, struct forces *forces,
-                         size_t *unbalanced, size_t *grains)
+                         struct series_outcome *outcome)
 {
     struct series_summary summary = {0};
     const struct packing **packings = calloc(request->count + 1, sizeof *packings);
@@ -143,7 +145,8 @@ static int infer_members(const struct series_request *request, struct member *me
         status = error_context("%s and the other states", members[0].path);
     if (!status) {
         tell(&summary);
-        status = write_all(request, members, forces, &summary, unbalanced, grains);
+        outcome->misfit = summary.misfit;
+        status = write_all(request, members, forces, &summary, outcome);
     }
     if (!status && is_folder(request->output))
         status = series_write_table(request->output, packings, request->count, &summary);
@@ -152,15 +155,15 @@ static int infer_members(const struct series_request *request, struct member *me
     return status;
 }
 
-int add_series(const struct series_request *request, size_t *unbalanced, size_t *grains)
+int add_series(const struct series_request *request, struct series_outcome *outcome)
 {
     struct member *members = calloc(request->count + 1, sizeof *members);
     struct forces *forces = calloc(request->count + 1, sizeof *forces);
     int status = members && forces ? 0 : error_memory("states");
-    *unbalanced = *grains = 0;
+    memset(outcome, 0, sizeof *outcome);
     if (!status && request->count > 1 && !is_folder(request->output) && mkdir(request->output, 0777))
         status = error_failed("%s: %s: name a folder for the forces", request->output, strerror(errno));
-    status = status || infer_members(request, members, forces, unbalanced, grains) ? -1 : 0;
+    status = status || infer_members(request, members, forces, outcome) ? -1 : 0;
     for (size_t k = 0; members && forces && k < request->count; k++) {
         packing_free(&members[k].packing);
         forces_free(&forces[k]);

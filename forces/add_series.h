@@ -15,8 +15,15 @@ struct series_request {
     struct series_options series_options;
 };
 
-/* One N.forces.hdf per input N.contacts.hdf, and series.csv: what each photo contributed. *unbalanced: grains out of
- * balance by more than 1 % of <fn> in their state, out of *grains, over all states. */
-int add_series(const struct series_request *request, size_t *unbalanced, size_t *grains);
+/* What is to be said of a finished series. */
+struct series_outcome {
+    size_t unbalanced, grains; /* grains out of balance by more than 1 % of <fn> in their state, of all in all states */
+    double misfit;             /* 2 F over the number of data: below 1 where the data fit together; 0 for one photo */
+    const char *worst;         /* the input whose own misfit is the largest */
+    double worst_misfit;
+};
+
+/* One N.forces.hdf per input N.contacts.hdf, and series.csv: what each photo contributed. */
+int add_series(const struct series_request *request, struct series_outcome *outcome);
 
 #endif

@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,8 @@ struct arguments {
 };
 
 enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, FCLIB };
+
+#define MISFIT_NOTED 1.5
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -109,6 +112,17 @@ static void choose_start(const char *text, struct force_request *request)
     request->from = text;
 }
 
+/* Forces can be in equilibrium and yet not what the photos say. */
+static void say_misfit(const struct series_outcome *outcome)
+{
+    if (outcome->misfit > MISFIT_NOTED || outcome->worst_misfit > MISFIT_NOTED)
+        fprintf(
+            stderr,
+            "forces: the photos do not fit together: misfit %.2g of all, %.2g of %s (below 1 where they do): look for "
+            "loads that are missing, a wrong mu, files from another reference photo\n",
+            outcome->misfit, outcome->worst_misfit, outcome->worst);
+}
+
 static int run_series(const struct arguments *arguments)
 {
     struct scene scene = {0};
@@ -119,15 +133,19 @@ static int run_series(const struct arguments *arguments)
                                      .output = arguments->cli.output,
                                      .options = FORCE_OPTIONS_DEFAULT,
                                      .series_options = SERIES_OPTIONS_DEFAULT};
-    size_t unbalanced = 0, grains = 0;
+    struct series_outcome outcome = {0};
     int status = scene_read(arguments->cli.scene, &scene) || force_options_read(&scene, &methods, &request.options) ||
                  series_options_read(&scene, &request.series_options);
     if (!status) {
         request.series_options.samples = arguments->samples >= 0 ? (int)arguments->samples : request.options.samples;
-        status = add_series(&request, &unbalanced, &grains);
+        status = add_series(&request, &outcome);
     }
     scene_free(&scene);
-    return status ? -1 : cli_flagged(&arguments->cli, unbalanced, grains, "grains are out of balance by more than 1 %");
+    if (!status)
+        say_misfit(&outcome);
+    return status ? -1
+                  : cli_flagged(&arguments->cli, outcome.unbalanced, outcome.grains,
+                                "grains are out of balance by more than 1 %");
 }
 
 static int run(const struct arguments *arguments)

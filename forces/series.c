@@ -139,6 +139,18 @@ static int stages(struct series *series)
     return series_optimise(series, &last);
 }
 
+/* Rods keep their radii: a row whose radius is another one by 10 % is another rod. */
+static int check_same_rods(const struct grains *first, const struct grains *grains, size_t state)
+{
+    for (size_t k = 0; k < grains->count; k++)
+        if (fabs(grains->radius[k] - first->radius[k]) > 0.1 * first->radius[k])
+            return error_input(
+                "state %zu of the series: grain %zu has radius %g m, in the first state %g m: give states "
+                "that were followed from the same reference photo",
+                state + 1, k, grains->radius[k], first->radius[k]);
+    return 0;
+}
+
 static int check_series(const struct packing *const *packings, size_t count, const struct force_options *options)
 {
     if (!(isfinite(options->law.kn) && options->law.kn > 0))
@@ -151,6 +163,8 @@ static int check_series(const struct packing *const *packings, size_t count, con
             return error_input("state %zu of the series has other grains or walls than the first: give states of one "
                                "series",
                                s + 1);
+        if (check_same_rods(&packings[0]->grains, &packings[s]->grains, s))
+            return -1;
     }
     return 0;
 }

@@ -56,7 +56,7 @@ static const struct row HARD[] = {
     ROW("body forces of 0.1 <fn>", WIDE, 1000, .errors = {USUAL, .body = 0.1}),
     ROW("wall loads 2 % wrong", WIDE, 1000, .errors = {USUAL, .wall_load = 0.02}),
     ROW("a third of the contacts change", "0 30", 1000, .errors = {USUAL}),
-    ROW("a photo of another test", "0 10 x15 20 25", 1000, .errors = {USUAL}),
+    ROW("one photo from another reference", "0 10 x15 20 25", 1000, .errors = {USUAL}),
     ROW("two identical photos", "0 10 10 20", 1000, .errors = {USUAL}),
 };
 

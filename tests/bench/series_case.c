@@ -41,8 +41,9 @@ int series_case_read(const char *folder, double kappa, int packing, const char *
         long index = strtol(states + unloaded + foreign, &end, 10);
         if (end == states + unloaded + foreign || series->count == SERIES_CASE_STATES)
             return error_input("states '%s': give numbers", states);
-        snprintf(path, sizeof path, "%s/k%g-s%d%s/%04ld.truth.hdf", folder, kappa, foreign ? 3 - packing : packing,
-                 unloaded ? "-unloaded" : "", index);
+        snprintf(path, sizeof path, "%s/k%g-s%d%s/%04ld.truth.hdf", folder, kappa, packing, unloaded ? "-unloaded" : "",
+                 index);
+        series->foreign[series->count] = foreign;
         if (packing_read(path, &series->truth[series->count]))
             return -1;
         series->count++;
@@ -204,6 +205,8 @@ int series_case_draw(struct series_case *series, const struct series_errors *err
     for (size_t s = 0; s < series->count; s++) {
         struct drawing drawing = {
             errors, series->pixel, series->mean, series->offset, 2 * errors->offset * series->pixel, seed, s};
+        if (series->foreign[s])
+            drawing.seed = seed + 500;
         if (draw_state(&drawing, &series->truth[s], series->offset, &series->measured[s]))
             return -1;
     }

@@ -27,12 +27,13 @@ struct series_errors {
 struct series_case {
     struct packing truth[SERIES_CASE_STATES], measured[SERIES_CASE_STATES];
     size_t count;
-    double pixel, mean; /* m; N: <fn> of state 0 */
-    double offset;      /* m: as drawn */
+    int foreign[SERIES_CASE_STATES]; /* measured from another reference photo */
+    double pixel, mean;              /* m; N: <fn> of state 0 */
+    double offset;                   /* m: as drawn */
 };
 
 /* `states`: "0 10 15" are states of FOLDER/kK-sP, "u3" one of FOLDER/kK-sP-unloaded,
- * "x15" one of the other packing. */
+ * "x15" one that was measured from another reference photo: with constant errors of its own. */
 int series_case_read(const char *folder, double kappa, int packing, const char *states, struct series_case *series);
 /* Fill `measured`. */
 int series_case_draw(struct series_case *series, const struct series_errors *errors, uint64_t seed);

@@ -214,6 +214,34 @@ static void hard_cases_are_told(void **state)
     drop(&series);
 }
 
+/* A photo that was followed from another reference photo has constant errors of its own. */
+static void another_reference_is_told(void **state)
+{
+    (void)state;
+    struct force_options options = usual();
+    struct forces forces[3];
+    struct series_summary good, bad;
+    draw(&strained, 3, &USUAL, 1, &series);
+    assert_int_equal(solve(&series, 3, &options, &DEFAULT, forces, &good), 0);
+    free_forces(forces, 3, &good);
+    drop(&series);
+    draw(&strained, 3, &USUAL, 501, &series);
+    struct packing foreign = series.measured[2];
+    memset(&series.measured[2], 0, sizeof foreign);
+    drop(&series);
+    draw(&strained, 2, &USUAL, 1, &series);
+    series.measured[2] = foreign;
+    assert_int_equal(solve(&series, 3, &options, &DEFAULT, forces, &bad), 0);
+    assert_true(bad.misfit > 3 * good.misfit);
+    free_forces(forces, 3, &bad);
+    series.measured[2].grains.radius[5] *= 1.2; /* other rods altogether */
+    assert_int_equal(solve(&series, 3, &options, &DEFAULT, forces, &bad), -1);
+    assert_non_null(strstr(error_message(), "state 3 of the series: grain 5"));
+    packing_free(&foreign);
+    series.count = 2;
+    drop(&series);
+}
+
 static void wrong_input_is_named(void **state)
 {
     (void)state;
@@ -241,6 +269,7 @@ int main(void)
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(stiffness_is_found_or_refused),
         cmocka_unit_test(hard_cases_are_told),
+        cmocka_unit_test(another_reference_is_told),
         cmocka_unit_test(wrong_input_is_named),
     };
     return cmocka_run_group_tests(tests, simulate_all, free_all);
