@@ -6,6 +6,7 @@
 #include "forces/fclib.h"
 #include "forces/network.h"
 #include "forces/range.h"
+#include "forces/stability.h"
 #include "forces/walk.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -45,7 +46,7 @@ static int read_state_with_forces(const char *path, struct packing *packing)
     return packing->force_count ? 0 : error_input("%s: has no forces: give a file written by forces or simulate", path);
 }
 
-/* What else the forces could be: a random walk, exact ranges. */
+/* What else the forces could be: a random walk, exact ranges; and whether the state is stable. */
 static int look_around(const struct packing *packing, const struct force_options *options, enum force_method method,
                        struct forces *forces)
 {
@@ -54,6 +55,10 @@ static int look_around(const struct packing *packing, const struct force_options
     if (options->walk > 0)
         log_event("walk", "states", forces->walk.states, "variance_fn", forces->walk.variance[0], "variance_ft",
                   forces->walk.variance[1], "range_fn", forces->walk.range[0], "range_ft", forces->walk.range[1], NULL);
+    if (options->stability && stability_of_forces(packing, options, forces))
+        return -1;
+    if (options->stability)
+        log_event("stability", "stick", forces->stability[0], "slip", forces->stability[1], NULL);
     return options->range ? range_forces(packing, options, method, forces) : 0;
 }
 

@@ -27,6 +27,7 @@ struct force_options {
     int samples;                    /* map: draws for s_fn, s_ft and the 90 % interval; 0: none, else 2 or more */
     int walk;                       /* jumps of a random walk after the estimate; 0: none (forces/walk.h) */
     const char *range;              /* contacts whose fn_low and fn_high are wanted; NULL: none (forces/range.h) */
+    int stability;                  /* 1: the smallest eigenvalue of K is wanted (forces/stability.h) */
     /* cdm */
     double relaxation; /* 1: Gauss-Seidel; up to 1.5 */
     double thickness;  /* graph thickness: relative velocity below which a contact is left alone, in <fn> / mean mass */

@@ -17,9 +17,10 @@ struct arguments {
     struct method_list methods;                  /* count 0: not on the command line */
     double tolerance, iterations, samples, walk; /* NaN: not on the command line */
     int fix;                                     /* -1: not on the command line */
+    int stability;
 };
 
-enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, FCLIB };
+enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, STABILITY, FCLIB };
 
 #define MISFIT_NOTED 1.5
 
@@ -37,6 +38,8 @@ static const struct argp_option option_list[] = {
     {"samples", SAMPLES, "N", 0, "map, series: N draws for standard deviations and 90 % intervals (0: none)", 0},
     {"walk", WALK, "N", 0, "cdm, qsm, map: N random jumps from the forces found, for their variability (0: none)", 0},
     {"range", RANGE, "ROWS", 0, "Exact least and largest fn of these contacts: 3,10-14 or all", 0},
+    {"stability", STABILITY, NULL, 0,
+     "Smallest eigenvalue of the stiffness matrix of the contacts that carry force: below 0 the state is unstable", 0},
     {"fclib", FCLIB, "FILE", 0, "Also write the contact problem for other solvers (Local form of FCLib, HDF5)", 0},
     {0}};
 
@@ -76,6 +79,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case RANGE:
         arguments->range = arg;
         return 0;
+    case STABILITY:
+        arguments->stability = 1;
+        return 0;
     case FCLIB:
         arguments->fclib = arg;
         return 0;
@@ -87,8 +93,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         if (arguments->inputs.count > 1 && !arguments->series)
             argp_error(state, "one packing at a time, not also %s; --method series takes many",
                        arguments->inputs.paths[1]);
-        if (arguments->series && (arguments->walk > 0 || arguments->range))
-            argp_error(state, "--walk and --range look at one packing: not with --method series");
+        if (arguments->series && (arguments->walk > 0 || arguments->range || arguments->stability))
+            argp_error(state, "--walk, --range and --stability look at one packing: not with --method series");
         if (arguments->series && (arguments->previous || arguments->start || arguments->fclib || arguments->fix >= 0))
             argp_error(state, "--method series takes all states together, from their overlaps: name every file instead "
                               "of --previous, --start, --fix or --fclib");
@@ -177,6 +183,7 @@ static int run(const struct arguments *arguments)
         if (arguments->walk >= 0)
             request.options.walk = (int)arguments->walk;
         request.options.range = arguments->range;
+        request.options.stability |= arguments->stability;
         status = add_forces(&request, &unbalanced, &grains);
     }
     scene_free(&scene);

@@ -29,6 +29,13 @@ static const struct column ray_columns[] = {
     COLUMN(struct rays, ray_m, COLUMN_DOUBLE, "1", "the same, rotation times mean radius"),
 };
 
+static const struct column softest_columns[] = {
+    COLUMN(struct softest, soft_x, COLUMN_DOUBLE, "1",
+           "motion of the grain that meets the least resistance, to the right"),
+    COLUMN(struct softest, soft_y, COLUMN_DOUBLE, "1", "the same, upwards"),
+    COLUMN(struct softest, soft_m, COLUMN_DOUBLE, "1", "the same, rotation times mean radius"),
+};
+
 const struct table_kind CONTACT_FORCES = {force_columns, sizeof force_columns / sizeof *force_columns,
                                           offsetof(struct contact_forces, count), NULL};
 const struct table_kind RESIDUALS = {residual_columns, sizeof residual_columns / sizeof *residual_columns,
@@ -37,10 +44,14 @@ const struct table_kind RESIDUALS = {residual_columns, sizeof residual_columns /
 const struct table_kind RAYS = {ray_columns, sizeof ray_columns / sizeof *ray_columns, offsetof(struct rays, count),
                                 NULL};
 
+const struct table_kind SOFTEST = {softest_columns, sizeof softest_columns / sizeof *softest_columns,
+                                   offsetof(struct softest, count), NULL};
+
 void forces_free(struct forces *forces)
 {
     table_free(&CONTACT_FORCES, &forces->contact);
     table_free(&RESIDUALS, &forces->residual);
     table_free(&RAYS, &forces->ray);
+    table_free(&SOFTEST, &forces->softest);
     memset(forces, 0, sizeof *forces);
 }

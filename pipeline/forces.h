@@ -32,6 +32,14 @@ struct rays {
 };
 extern const struct table_kind RAYS;
 
+/* The motion that meets the least resistance (docs/forces.md); its squares sum to 1 with those of the walls. */
+struct softest {
+    size_t count;
+    double *soft_x, *soft_y; /* 1 */
+    double *soft_m;          /* 1: rotation times the mean radius */
+};
+extern const struct table_kind SOFTEST;
+
 /* What a random walk over admissible forces has seen, means over the contacts, of fn and of ft (thesis 3.8, 3.9). */
 struct walk_summary {
     double states;      /* 0: no walk */
@@ -55,6 +63,9 @@ struct forces {
     double mu;
     double misfit[2];         /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
     struct walk_summary walk; /* attributes walk_states, walk_variance, walk_range (fn, ft) */
+    /* Smallest eigenvalue of K over kn: every contact that carries sticks; those that slip do. Only with `softest`. */
+    double stability[2];
+    struct softest softest; /* of the second; empty unless asked */
 };
 
 void forces_free(struct forces *forces); /* accepts a zeroed struct */

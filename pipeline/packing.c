@@ -137,7 +137,8 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_numbers(state, group, "misfit_y", &forces->misfit[1], 1) < 0 ||
         state_read_numbers(state, group, "walk_states", &forces->walk.states, 1) < 0 ||
         state_read_numbers(state, group, "walk_variance", forces->walk.variance, 2) < 0 ||
-        state_read_numbers(state, group, "walk_range", forces->walk.range, 2) < 0)
+        state_read_numbers(state, group, "walk_range", forces->walk.range, 2) < 0 ||
+        state_read_numbers(state, group, "stability", forces->stability, 2) < 0)
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
@@ -157,7 +158,8 @@ static int read_method(const struct state *state, const char *path, const char *
     snprintf(group, sizeof group, "forces/%s", method);
     if (state_read(state, group, &CONTACT_FORCES, required, &forces->contact) ||
         state_read(state, group, &RESIDUALS, NULL, &forces->residual) ||
-        state_read(state, group, &RAYS, NULL, &forces->ray) || read_attributes(state, group, forces))
+        state_read(state, group, &RAYS, NULL, &forces->ray) ||
+        state_read(state, group, &SOFTEST, NULL, &forces->softest) || read_attributes(state, group, forces))
         return -1;
     if (forces->contact.count != packing->contacts.count)
         return error_input("%s: /%s has %zu forces for %zu contacts: make the file again", path, group,
@@ -221,6 +223,14 @@ static int write_walk(struct state_writer *writer, const char *group, const stru
            state_write_numbers(writer, group, "walk_range", walk->range, 2);
 }
 
+static int write_stability(struct state_writer *writer, const char *group, const struct forces *forces)
+{
+    if (!(forces->softest.count > 0))
+        return 0;
+    return state_write(writer, group, &SOFTEST, &forces->softest) ||
+           state_write_numbers(writer, group, "stability", forces->stability, 2);
+}
+
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];
@@ -238,7 +248,7 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "kn", &forces->kn, 1) ||
                    state_write_numbers(writer, group, "kt", &forces->kt, 1) ||
                    state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces) ||
-                   write_walk(writer, group, &forces->walk)
+                   write_walk(writer, group, &forces->walk) || write_stability(writer, group, forces)
                ? -1
                : 0;
 }

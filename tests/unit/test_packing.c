@@ -70,6 +70,10 @@ static void make_packing(struct packing *p, int with_walls)
         for (size_t c = 0; c < contacts; c++)
             forces->contact.fn[c] = 100 * f + (double)c, forces->contact.ft[c] = -(double)c;
         forces->residual.residual_x[1] = 0.25;
+        if (f) {
+            check_done(table_alloc(&SOFTEST, &forces->softest, 3, NULL));
+            forces->softest.soft_m[2] = -0.5, forces->stability[0] = 0.01, forces->stability[1] = -0.002;
+        }
     }
 }
 
@@ -109,6 +113,11 @@ static void test_round_trip(void **unused)
     check_near(qsm->misfit[0], -2.5, 0);
     check_near(qsm->misfit[1], 0, 0);
     assert_true(isnan(packing_forces(&q, "cem")->misfit[0]));
+    assert_int_equal(packing_forces(&q, "cem")->softest.count, 0);
+    assert_int_equal(qsm->softest.count, 3);
+    check_near(qsm->softest.soft_m[2], -0.5, 0);
+    check_near(qsm->stability[0], 0.01, 0);
+    check_near(qsm->stability[1], -0.002, 0);
     packing_free(&p);
     packing_free(&q);
     packing_free(&q);

@@ -1,0 +1,12 @@
+/* Does the equilibrium hold against small pushes? The second-order work of a motion U is U . K U (thesis 3.2; Roux and
+ * Combe 2011), K the stiffness matrix of the contacts that carry force; a state is stable when it is positive for every
+ * U. */
+#ifndef FORCES_STABILITY_H
+#define FORCES_STABILITY_H
+
+#include "forces/infer_forces.h"
+
+/* Fills forces->stability and forces->softest from the forces of this method. */
+int stability_of_forces(const struct packing *packing, const struct force_options *options, struct forces *forces);
+
+#endif
