@@ -125,7 +125,8 @@ static void say_misfit(const struct series_outcome *outcome)
         fprintf(
             stderr,
             "forces: the photos do not fit together: misfit %.2g of all, %.2g of %s (below 1 where they do): look for "
-            "loads that are missing, a wrong mu, files from another reference photo\n",
+            "unknown loads (forces.series.softness: their size over <fn>), a wrong mu, files from another reference "
+            "photo\n",
             outcome->misfit, outcome->worst_misfit, outcome->worst);
 }
 

@@ -25,6 +25,7 @@ struct row {
     int alone;     /* 1: also each photo by map */
     int draws;     /* of the errors, on packings 1, 2, 1, ...; 0: 3 */
     int samples;   /* for s_fn, s_ft; their time is counted */
+    double soft;   /* of equilibrium, as told; 0: the default */
 };
 
 #define USUAL .place = 0.025, .radius = 0.0175, .wall = 0.025, .offset = 0.3, .track = 0.002, .track_deg = 0.002
@@ -54,6 +55,7 @@ static const struct row HARD[] = {
     ROW("mu 0.4 instead of 0.5", WIDE, 1000, .errors = {USUAL}, .mu = 0.8),
     ROW("mu 0.6 instead of 0.5", WIDE, 1000, .errors = {USUAL}, .mu = 1.2),
     ROW("body forces of 0.1 <fn>", WIDE, 1000, .errors = {USUAL, .body = 0.1}),
+    ROW("the same, told: softness 0.1", WIDE, 1000, .errors = {USUAL, .body = 0.1}, .soft = 0.1),
     ROW("wall loads 2 % wrong", WIDE, 1000, .errors = {USUAL, .wall_load = 0.02}),
     ROW("a third of the contacts change", "0 30", 1000, .errors = {USUAL}),
     ROW("one photo from another reference", "0 10 x15 20 25", 1000, .errors = {USUAL}),
@@ -126,6 +128,8 @@ static int measure(const char *folder, const struct row *row, int packing, uint6
     struct series_summary summary;
     options.law.kn = KN * (row->kn > 0 ? row->kn : 1), options.law.mu = 0.5 * (row->mu > 0 ? row->mu : 1);
     series_options.fit_stiffness = row->fit, series_options.samples = row->samples;
+    if (row->soft > 0)
+        series_options.softness = row->soft;
     *result = (struct result){.alone_fn = NAN, .alone_ft = NAN};
     if (series_case_read(folder, row->kappa, packing, row->states, &series) ||
         (row->alone && score_alone(row, &series, seed, &options, result)) ||
