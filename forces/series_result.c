@@ -165,6 +165,7 @@ int series_results(struct series *series, const struct series_loads *loads, stru
             return -1;
         forces[s].iterations = series->steps, forces[s].converged = summary->converged;
         describe(series, s, &summary->photo[s]);
+        forces[s].data_misfit = summary->photo[s].misfit;
         if (count_fresh(series, s, forces, &summary->photo[s]))
             return -1;
     }

@@ -61,7 +61,8 @@ struct forces {
     double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
     double kn, kt;       /* N/m, as used; NaN when not used */
     double mu;
-    double misfit[2];         /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
+    double misfit[2];   /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
+    double data_misfit; /* series: squared errors of this photo's data over their variances, per datum; 0: not said */
     struct walk_summary walk; /* attributes walk_states, walk_variance, walk_range (fn, ft) */
     /* Smallest eigenvalue of K over kn: every contact that carries sticks; those that slip do. Only with `softest`. */
     double stability[2];

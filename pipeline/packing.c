@@ -135,6 +135,7 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_numbers(state, group, "mu", &forces->mu, 1) < 0 ||
         state_read_numbers(state, group, "misfit_x", &forces->misfit[0], 1) < 0 ||
         state_read_numbers(state, group, "misfit_y", &forces->misfit[1], 1) < 0 ||
+        state_read_numbers(state, group, "data_misfit", &forces->data_misfit, 1) < 0 ||
         state_read_numbers(state, group, "walk_states", &forces->walk.states, 1) < 0 ||
         state_read_numbers(state, group, "walk_variance", forces->walk.variance, 2) < 0 ||
         state_read_numbers(state, group, "walk_range", forces->walk.range, 2) < 0 ||
@@ -248,6 +249,8 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "kn", &forces->kn, 1) ||
                    state_write_numbers(writer, group, "kt", &forces->kt, 1) ||
                    state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces) ||
+                   (forces->data_misfit > 0 &&
+                    state_write_numbers(writer, group, "data_misfit", &forces->data_misfit, 1)) ||
                    write_walk(writer, group, &forces->walk) || write_stability(writer, group, forces)
                ? -1
                : 0;

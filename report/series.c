@@ -70,6 +70,7 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
     memcpy(summary.method, forces->method, NAME_LENGTH);
     memcpy(summary.start, forces->start, NAME_LENGTH);
     summary.imbalance = forces->imbalance;
+    summary.data_misfit = forces->data_misfit;
     for (size_t c = 0; c < contact->count; c++)
         if (contact->fn[c] > 0) {
             sum += contact->fn[c];

@@ -19,6 +19,7 @@ struct force_summary {
     char method[NAME_LENGTH], start[NAME_LENGTH];
     int iterations, converged;
     double imbalance, mean_fn, slipping; /* slipping: share of the loaded contacts */
+    double data_misfit;                  /* 0: the method has none */
     double weber[2][2];
 };
 

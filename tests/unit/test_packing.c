@@ -65,6 +65,7 @@ static void make_packing(struct packing *p, int with_walls)
         forces->stress[0][1] = 4;
         forces->kn = 1e7, forces->kt = 2e7, forces->mu = 0.5;
         forces->misfit[0] = f ? -2.5 : NAN, forces->misfit[1] = f ? 0 : NAN;
+        forces->data_misfit = f ? 1.75 : 0;
         check_done(table_alloc(&CONTACT_FORCES, &forces->contact, contacts, NULL));
         check_done(table_alloc(&RESIDUALS, &forces->residual, 3, NULL));
         for (size_t c = 0; c < contacts; c++)
@@ -112,6 +113,7 @@ static void test_round_trip(void **unused)
     check_near(qsm->kt, 2e7, 0);
     check_near(qsm->misfit[0], -2.5, 0);
     check_near(qsm->misfit[1], 0, 0);
+    check_near(qsm->data_misfit, 1.75, 0);
     assert_true(isnan(packing_forces(&q, "cem")->misfit[0]));
     assert_int_equal(packing_forces(&q, "cem")->softest.count, 0);
     assert_int_equal(qsm->softest.count, 3);

@@ -460,6 +460,7 @@ static void write_chain(const char *path, int64_t index, double shift)
         p.grains.x[k] += shift;
     }
     p.forces->iterations = 77;
+    p.forces->data_misfit = 2.5;
     provenance.stage = "forces";
     provenance.index = index;
     provenance.time_s = 10 - (double)index; /* not the order of the names */
@@ -655,6 +656,7 @@ static void test_page(void **unused)
     check_done(html_end(&html));
     assert_non_null(strstr(html.text, "<title>a &lt;b&gt; &amp; c</title>"));
     assert_non_null(strstr(html.text, "dem: in 1 of 1 states it did not converge (worst 77 iterations, 0000)"));
+    assert_non_null(strstr(html.text, "misfit above 1.5 (worst 2.5, 0000)"));
     assert_non_null(strstr(html.text, "src=\"data:image/png;base64,"));
     assert_null(strstr(html.text, "<script"));
     assert_null(strstr(html.text, "http"));
