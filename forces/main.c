@@ -200,10 +200,9 @@ int main(int argc, char **argv)
         "N.contacts.hdf [more for --method series]",
         "Contact forces of a packing in equilibrium, from its overlaps, motions and loads.\v"
         "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains. qsm: projections "
-        "onto "
-        "equilibrium and friction. map: the most likely admissible forces; the one to use. Several methods stand side "
-        "by "
-        "side in one file. Docs: docs/forces.md.\n\n"
+        "onto equilibrium and friction. map: the most likely admissible forces; the one to use. series: map for all "
+        "photos of a test together, which share the errors of their reference: better still where the network changes. "
+        "Several methods but series stand side by side in one file. Docs: docs/forces.md, docs/series_forces.md.\n\n"
         "Example:\n  forces --scene scene.json --method qsm,map 0003.contacts.hdf -o 0003.forces.hdf\n"
         "  forces --scene scene.json --method series out/*.contacts.hdf -o out",
         children,
