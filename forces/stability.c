@@ -20,6 +20,7 @@
 
 #define DEFECT 1e-9 /* of |K x - value x|, in the units of K */
 #define LEAST_SHIFT 1e-9
+#define CARRIES 1e-4 /* <fn>: 1e-6 to 1e-3 give the same (bench_forces stability) */
 
 enum { W = NETWORK_WIDTH };
 
@@ -37,18 +38,28 @@ struct stiffness {
 
 /* ---- which contacts carry ---- */
 
+static double mean_force(const struct contact_forces *forces)
+{
+    double sum = 0, pushing = 0;
+    for (size_t c = 0; c < forces->count; c++)
+        if (forces->fn[c] > 0)
+            sum += forces->fn[c], pushing++;
+    return pushing > 0 ? sum / pushing : 0;
+}
+
 /* The packing with the contacts that carry nothing marked as candidates, so that a network leaves them out and peels
  * what hung on them. Caller frees the flags. */
 static int carrying(const struct packing *packing, const struct contact_forces *forces, struct packing *out)
 {
     size_t count = packing->contacts.count;
+    double least = CARRIES * mean_force(forces);
     *out = *packing;
     out->contacts.flags = calloc(count + 1, sizeof *out->contacts.flags);
     if (!out->contacts.flags)
         return error_memory("stability");
     for (size_t c = 0; c < count; c++) {
         uint32_t flags = packing->contacts.flags ? packing->contacts.flags[c] & ~(uint32_t)CONTACT_CANDIDATE : 0;
-        int carries = forces->fn[c] > 0 && (forces->status[c] == STATUS_STICK || forces->status[c] == STATUS_SLIP);
+        int carries = forces->fn[c] > least && forces->status[c] != STATUS_NOT_USED;
         out->contacts.flags[c] = carries ? flags : flags | CONTACT_CANDIDATE;
     }
     return 0;

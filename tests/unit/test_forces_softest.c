@@ -59,6 +59,16 @@ static void arches_stable_and_unstable(void **state)
 
 /* ---- against the forces themselves ---- */
 
+/* More than 1e-4 of the mean force, as docs/forces.md says. */
+static int carries(const struct forces *forces, size_t c)
+{
+    double sum = 0, pushing = 0;
+    for (size_t k = 0; k < forces->contact.count; k++)
+        if (forces->contact.fn[k] > 0)
+            sum += forces->contact.fn[k], pushing++;
+    return forces->contact.fn[c] > 1e-4 * sum / pushing;
+}
+
 /* Motions of every grain (x, y, rotation times the mean radius) and every wall along its inward normal; N / kn. */
 struct body_motion {
     size_t grains, walls;
@@ -79,7 +89,7 @@ static void forces_after(const struct packing *packing, const struct forces *for
     memset(out, 0, 3 * (m->grains + m->walls) * sizeof *out);
     for (size_t c = 0; c < contacts->count; c++) {
         size_t i = (size_t)contacts->i[c], j = (size_t)contacts->j[c];
-        if (!(forces->contact.fn[c] > 0) || forces->contact.status[c] == STATUS_NOT_USED)
+        if (!carries(forces, c))
             continue;
         struct vec at = vec(packing->grains.x[i], packing->grains.y[i]);
         struct vec n = vec(contacts->nx[c], contacts->ny[c]), t = vec_turn(n);
@@ -144,11 +154,11 @@ static size_t moving(const struct packing *packing, const struct forces *forces,
 {
     size_t n = 0, grains = packing->grains.count;
     for (size_t k = 0; k < grains; k++) {
-        int carries = 0;
+        int held = 0;
         for (size_t c = 0; c < packing->contacts.count; c++)
-            carries |= forces->contact.fn[c] > 0 &&
-                       (packing->contacts.i[c] == (int64_t)k || packing->contacts.j[c] == (int64_t)k);
-        for (size_t d = 0; d < 3 && carries && !(packing->grains.flags[k] & GRAIN_FIXED); d++)
+            held |=
+                carries(forces, c) && (packing->contacts.i[c] == (int64_t)k || packing->contacts.j[c] == (int64_t)k);
+        for (size_t d = 0; d < 3 && held && !(packing->grains.flags[k] & GRAIN_FIXED); d++)
             index[n++] = 3 * k + d;
     }
     for (size_t w = 0; w < packing->walls.count; w++)
