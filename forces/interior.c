@@ -10,12 +10,11 @@
 #include "pipeline/error.h"
 
 enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve */ };
-#define INTERIOR_STALL 1e-3   /* while it is larger than this, in <fn> */
-#define INTERIOR_BALANCE 0.1  /* of the tolerance */
-#define INTERIOR_DATA 1e-6    /* in <fn>, and in 1 / <fn> for the multipliers */
-#define INTERIOR_OFF 1e-2     /* how well s q is its weight, as a share of it */
-#define INTERIOR_FIRST_GAP 10 /* s q at the start: about that of overlaps wrong by a few <fn> */
-#define BOUNDARY 0.995        /* share of the way to the boundary that a step may go */
+#define INTERIOR_STALL 1e-3  /* while it is larger than this, in <fn> */
+#define INTERIOR_BALANCE 0.1 /* of the tolerance */
+#define INTERIOR_DATA 1e-6   /* in <fn>, and in 1 / <fn> for the multipliers */
+#define INTERIOR_OFF 1e-2    /* how well s q is its weight, as a share of it */
+#define BOUNDARY 0.995       /* share of the way to the boundary that a step may go */
 
 static int sides(const struct map *map, size_t c)
 {
@@ -49,18 +48,11 @@ static void to_edges_transposed(double mu, double vn, double vt, double out[2])
     out[1] = mu > 0 ? vn / (2 * mu) + vt / 2 : 0;
 }
 
-/* The mean force, no friction, multipliers that balance the belief. */
-static void cold_start(struct map *map)
+void map_set_edges(struct map *map, size_t c, double fn, double ft)
 {
-    memset(map->y, 0, (map->dofs + map->count) * sizeof(double));
-    for (size_t c = 0; c < map->count; c++) {
-        double mu = map->network->contact[c].mu;
-        edges(mu, 1, 0, map->s[c]);
-        from_edges(mu, map->s[c], &map->forces[2 * c]);
-        for (int k = 0; k < 2; k++)
-            map->q[c][k] = INTERIOR_FIRST_GAP / map->s[c][k];
-    }
-    map->length = 1;
+    double mu = map->network->contact[c].mu;
+    edges(mu, fn, ft, map->s[c]);
+    from_edges(mu, map->s[c], &map->forces[2 * c]);
 }
 
 /* What the present point leaves of each equation. */
@@ -257,9 +249,7 @@ int map_interior(struct map *map, int *iterations)
     double *keep = malloc((map->dofs + map->count + 1) * sizeof *keep);
     if (!keep)
         return error_memory("map");
-    if (!map->warm)
-        cold_start(map);
-    int status = 1;
+    int status = map->warm ? 1 : map_cold_start(map) ? -1 : 1;
     double history[INTERIOR_PATIENCE];
     for (int k = 0; status == 1; k++, ++*iterations) {
         residuals(map);

@@ -1,5 +1,5 @@
 /* Inside of map: one state that its parts share. map.c: the rounds; map_system.c: the linear system of a step;
- * interior.c: the interior point. */
+ * interior.c: the interior point; map_start.c: where it begins. */
 #ifndef FORCES_MAP_H
 #define FORCES_MAP_H
 
@@ -57,6 +57,10 @@ int map_factorise(struct map *map);
 /* `step` in (y, l) that takes away `left`, with the last factor. */
 int map_back_solve(struct map *map);
 
+/* The point at which an interior point without a last solution begins (map_start.c). */
+int map_cold_start(struct map *map);
+/* Forces of contact c, and their distances to its edges. */
+void map_set_edges(struct map *map, size_t c, double fn, double ft);
 /* Primal-dual interior point (Mehrotra 1992) for soft, slack and weight, from the last solution when `warm`, else from
  * scratch. Leaves forces inside their cones, y, l, e. 0: done; 1: not within the limit; -1: failed. */
 int map_interior(struct map *map, int *iterations);

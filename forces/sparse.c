@@ -7,16 +7,16 @@
 
 #include <suitesparse/cholmod.h>
 
+#include "forces/supernodal.h"
 #include "pipeline/error.h"
 
-enum { REFINEMENTS = 2 };
+enum { REFINEMENTS = 2, LARGE = 60000 /* unknowns */ };
 
 struct sparse {
     cholmod_common common;
     cholmod_sparse *matrix; /* lower triangle, columns sorted */
-    cholmod_factor *factor;
-    cholmod_dense *solution, *work_y, *work_e; /* kept between solves */
-    double *right, *defect;
+    struct supernodal *factor;
+    double *defect, *correction;
     int *slot;     /* per block: where its lower triangle goes */
     int *diagonal; /* per unknown */
     int width, triangle;
@@ -141,19 +141,30 @@ static int find_slots(struct sparse *sparse, size_t blocks, int width, const int
     return 0;
 }
 
+/* Fill-reducing order and supernodes; nested dissection pays once the packing is large. */
 static int analyse(struct sparse *sparse)
 {
     cholmod_common *common = &sparse->common;
     size_t unknowns = sparse->matrix->nrow;
     common->nmethods = 1;
-    common->method[0].ordering = CHOLMOD_AMD;
+    common->method[0].ordering = unknowns < LARGE ? CHOLMOD_AMD : CHOLMOD_METIS;
     common->postorder = 1;
-    common->supernodal = CHOLMOD_SIMPLICIAL; /* planar networks: the supernodes are too small to pay */
+    common->supernodal = CHOLMOD_SUPERNODAL;
     common->print = 0;
-    sparse->factor = cholmod_analyze(sparse->matrix, common);
-    sparse->right = calloc(unknowns + 1, sizeof(double));
+    cholmod_factor *symbolic = cholmod_analyze(sparse->matrix, common);
+    if (!symbolic)
+        return error_memory("matrix factor");
+    const struct supernodes supernodes = {.unknowns = unknowns,
+                                          .count = symbolic->nsuper,
+                                          .first = symbolic->super,
+                                          .begin = symbolic->pi,
+                                          .row = symbolic->s,
+                                          .order = symbolic->Perm};
+    sparse->factor = supernodal_create(&supernodes, sparse->matrix->p, sparse->matrix->i);
+    cholmod_free_factor(&symbolic, common);
     sparse->defect = calloc(unknowns + 1, sizeof(double));
-    if (!sparse->factor || !sparse->right || !sparse->defect)
+    sparse->correction = calloc(unknowns + 1, sizeof(double));
+    if (!sparse->factor || !sparse->defect || !sparse->correction)
         return error_memory("matrix factor");
     return 0;
 }
@@ -184,13 +195,10 @@ void sparse_free(struct sparse *sparse)
         return;
     cholmod_common *common = &sparse->common;
     cholmod_free_sparse(&sparse->matrix, common);
-    cholmod_free_factor(&sparse->factor, common);
-    cholmod_free_dense(&sparse->solution, common);
-    cholmod_free_dense(&sparse->work_y, common);
-    cholmod_free_dense(&sparse->work_e, common);
     cholmod_finish(common);
-    free(sparse->right);
+    supernodal_free(sparse->factor);
     free(sparse->defect);
+    free(sparse->correction);
     free(sparse->slot);
     free(sparse->diagonal);
     free(sparse);
@@ -228,25 +236,17 @@ double sparse_largest(const struct sparse *sparse)
     return largest;
 }
 
-/* 0: done; 1: a pivot was not positive (or, for an indefinite matrix, zero). */
-static int try_factor(struct sparse *sparse, double shift)
-{
-    double beta[2] = {shift, 0};
-    cholmod_factorize_p(sparse->matrix, beta, NULL, 0, sparse->factor, &sparse->common);
-    return sparse->common.status != CHOLMOD_OK || sparse->factor->minor < sparse->factor->n;
-}
-
 int sparse_factorise(struct sparse *sparse)
 {
-    sparse->common.final_ll = 1;
+    const double *values = sparse->matrix->x;
     sparse->shifted = 0;
     if (sparse->matrix->nrow == 0)
         return 0;
-    if (!try_factor(sparse, 0) && sparse_rcond(sparse) > 1e-14)
+    if (!supernodal_factorise(sparse->factor, values, 0, 1) && sparse_rcond(sparse) > 1e-14)
         return 0;
     double largest = sparse_largest(sparse);
     sparse->shifted = 1;
-    if (!try_factor(sparse, SPARSE_SHIFT * (largest > 0 ? largest : 1)))
+    if (!supernodal_factorise(sparse->factor, values, SPARSE_SHIFT * (largest > 0 ? largest : 1), 1))
         return 1;
     return error_set(EXIT_FAILED, "the stiffness matrix cannot be factorised: look for numbers that are not finite"),
            -1;
@@ -254,26 +254,10 @@ int sparse_factorise(struct sparse *sparse)
 
 int sparse_factorise_indefinite(struct sparse *sparse)
 {
-    sparse->common.final_ll = 0;
     sparse->shifted = 0;
-    if (sparse->matrix->nrow == 0)
-        return 0;
-    if (!try_factor(sparse, 0))
+    if (sparse->matrix->nrow == 0 || !supernodal_factorise(sparse->factor, sparse->matrix->x, 0, 0))
         return 0;
     return error_set(EXIT_FAILED, "the matrix of the joint problem cannot be factorised"), -1;
-}
-
-static int solve_once(struct sparse *sparse, double *right, double *solution, int add)
-{
-    size_t n = sparse->matrix->nrow;
-    cholmod_dense b = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = right, .xtype = CHOLMOD_REAL};
-    if (!cholmod_solve2(CHOLMOD_A, sparse->factor, &b, NULL, &sparse->solution, NULL, &sparse->work_y, &sparse->work_e,
-                        &sparse->common))
-        return error_failed("the stiffness matrix cannot be solved: out of memory?");
-    const double *x = sparse->solution->x;
-    for (size_t d = 0; d < n; d++)
-        solution[d] = (add ? solution[d] : 0) + x[d];
-    return 0;
 }
 
 int sparse_solve(struct sparse *sparse, const double *right, double *solution)
@@ -281,22 +265,21 @@ int sparse_solve(struct sparse *sparse, const double *right, double *solution)
     size_t n = sparse->matrix->nrow;
     if (n == 0)
         return 0;
-    memcpy(sparse->right, right, n * sizeof *right);
-    if (solve_once(sparse, sparse->right, solution, 0))
-        return -1;
+    supernodal_solve(sparse->factor, right, solution);
     for (int k = 0; k < REFINEMENTS && sparse->shifted; k++) {
         cholmod_dense x = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = solution, .xtype = CHOLMOD_REAL};
         cholmod_dense r = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = sparse->defect, .xtype = CHOLMOD_REAL};
         double minus[2] = {-1, 0}, one[2] = {1, 0};
         memcpy(sparse->defect, right, n * sizeof *right);
         cholmod_sdmult(sparse->matrix, 0, minus, one, &x, &r, &sparse->common);
-        if (solve_once(sparse, sparse->defect, solution, 1))
-            return -1;
+        supernodal_solve(sparse->factor, sparse->defect, sparse->correction);
+        for (size_t d = 0; d < n; d++)
+            solution[d] += sparse->correction[d];
     }
     return 0;
 }
 
 double sparse_rcond(struct sparse *sparse)
 {
-    return cholmod_rcond(sparse->factor, &sparse->common);
+    return supernodal_rcond(sparse->factor);
 }

@@ -1,6 +1,6 @@
-/* Sparse symmetric systems that are sums of small dense blocks, one per contact, factorised by CHOLMOD (Chen, Davis,
- * Hager and Rajamanickam 2008). The pattern is analysed once; values change as often as needed. CHOLMOD is called only
- * here. */
+/* Sparse symmetric systems that are sums of small dense blocks, one per contact. The pattern is analysed once by
+ * CHOLMOD (Chen, Davis, Hager and Rajamanickam 2008), which is called only here; values change as often as needed and
+ * are factorised by supernodal.c. */
 #ifndef FORCES_SPARSE_H
 #define FORCES_SPARSE_H
 
@@ -27,7 +27,7 @@ int sparse_factorise(struct sparse *sparse);
 /* Quasi-definite (Vanderbei 1995): factorised as L D L' without pivoting. 0 or -1. */
 int sparse_factorise_indefinite(struct sparse *sparse);
 int sparse_solve(struct sparse *sparse, const double *right, double *solution);
-/* CHOLMOD's rough reciprocal condition number of the last factor. */
+/* Rough reciprocal condition number of the last factor: smallest over largest pivot. */
 double sparse_rcond(struct sparse *sparse);
 
 #endif
