@@ -4,6 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Twice, with and without vectors of four: each element is summed in the same order in both, without contraction, so
+ * that the numbers are the same on every machine. */
+#if defined(__x86_64__) && defined(__ELF__)
+#define WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDE
+#endif
+
 enum { TILE = 4, MOST_COLUMNS = 48 /* of a panel: wider supernodes are cut, so that a panel stays in the cache */ };
 
 /* Columns side by side with the same rows below: dense, column by column, `rows` apart. */
@@ -169,8 +177,8 @@ static void pack(const struct supernodal *factor, const struct panel *from, int 
 
 /* Take what the first `depth` columns of `from` say about its rows begin .. end - 1, which are columns of `to`, from
  * `to`. relative: row in `to` of each row of `from`. Above the diagonal the panel holds nothing of use. */
-static void take_away(struct supernodal *factor, const struct panel *from, int depth, int begin, int end,
-                      const int *relative, const struct panel *to)
+WIDE static void take_away(struct supernodal *factor, const struct panel *from, int depth, int begin, int end,
+                           const int *relative, const struct panel *to)
 {
     double b[MOST_COLUMNS * TILE];
     size_t apart = (size_t)to->rows;
@@ -195,7 +203,7 @@ static void take_away(struct supernodal *factor, const struct panel *from, int d
 }
 
 /* Columns begin .. end - 1 of a panel, up to date but for each other. */
-static int eliminate(struct supernodal *factor, const struct panel *panel, int begin, int end, int definite)
+WIDE static int eliminate(struct supernodal *factor, const struct panel *panel, int begin, int end, int definite)
 {
     size_t apart = (size_t)panel->rows;
     for (int c = begin; c < end; c++) {
@@ -300,7 +308,7 @@ double supernodal_rcond(const struct supernodal *factor)
 /* ---- solution ---- */
 
 /* L x = work, panel by panel. */
-static void solve_down(struct supernodal *factor, const struct panel *panel)
+WIDE static void solve_down(struct supernodal *factor, const struct panel *panel)
 {
     double *x = factor->work + panel->first, *below = factor->below;
     const int *row = factor->row + panel->row;
@@ -328,7 +336,7 @@ static double dot(const double *a, const double *b, int count)
 }
 
 /* L' x = work. */
-static void solve_up(struct supernodal *factor, const struct panel *panel)
+WIDE static void solve_up(struct supernodal *factor, const struct panel *panel)
 {
     double *x = factor->work + panel->first, *below = factor->below;
     const int *row = factor->row + panel->row;
