@@ -12,6 +12,7 @@
 #define FAINTEST_EDGE 0.06
 #define FULL_EDGE 0.20
 #define LOWEST_PEAK 0.20 /* votes of a peak, in votes of a whole rim */
+#define LIKELY_PEAK 0.40 /* from here on a peak among centres is enough */
 
 struct edge {
     float x, y, ux, uy, weight; /* u: unit vector towards the bright side */
@@ -76,10 +77,13 @@ static int fill_layer(const struct level *level, const struct edges *edges, doub
     return 0;
 }
 
+/* The highest of its neighbours, whose radii are one less and one more as well. Not so a likely one: where specks make
+ * up smaller circles inside the rim, the rim's own votes lie on a ridge that rises towards those. */
 static int is_peak(const struct level *level, float *const layers[3], size_t at)
 {
     float value = layers[1][at];
-    for (int k = 0; k < 3; k++)
+    int first = value >= LIKELY_PEAK ? 1 : 0;
+    for (int k = first; k < 3 - first; k++)
         for (int j = -1; j <= 1; j++)
             for (int i = -1; i <= 1; i++) {
                 float other = layers[k][at + (size_t)(j * level->width + i)];

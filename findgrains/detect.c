@@ -168,10 +168,9 @@ static int search_window(struct search *search, struct octave *octave)
     if (!status)
         status = candidates_vote(&octave->coarse, &octave->cover, octave->low / MARGIN / scale,
                                  octave->high * MARGIN / scale, search->contrast, &peaks);
-    if (!status) {
-        candidates_thin(&peaks, SAME_PLACE, candidates_support);
-        status = capture_peaks(search, octave, &peaks);
-    }
+    if (!status)
+        status =
+            candidates_thin(&peaks, SAME_PLACE, candidates_support) || capture_peaks(search, octave, &peaks) ? -1 : 0;
     candidates_free(&peaks);
     free_levels(octave);
     return status;
@@ -258,9 +257,8 @@ int detect_grains(const struct photo *photo, const struct zone *zone, const stru
     int status = known ? search_range(&search, range[0], range[1]) : search_all(&search, range);
     *peaks = search.looked_at;
     candidates_free(&search.sure);
-    if (status)
+    if (status || candidates_thin(found, DETECT_OVERLAP, candidates_merit))
         return -1;
-    candidates_thin(found, DETECT_OVERLAP, candidates_merit);
     polish_rims(photo, levels, found);
     return 0;
 }

@@ -21,7 +21,8 @@ static int keep_supported(struct rims *rims)
         if (measured || item.by_hand || item.sure >= SURE)
             status = candidates_add(&list, &item);
     }
-    candidates_thin(&list, DETECT_OVERLAP, candidates_merit);
+    if (!status)
+        status = candidates_thin(&list, DETECT_OVERLAP, candidates_merit);
     rims_free(rims);
     if (!status)
         status = rims_make(&list, rims);

@@ -34,6 +34,6 @@ double candidates_merit(const struct candidate *item);
 double candidates_support(const struct candidate *item);
 /* Sort by merit (ties by position, so that the order never depends on how the list was filled) and keep those whose
  * centres are at least share (R_i + R_j) away from every better one. */
-void candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *));
+int candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *));
 
 #endif
