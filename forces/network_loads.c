@@ -73,51 +73,68 @@ double network_radius(const struct grains *grains)
     return count && sum > 0 ? sum / (double)count : 1;
 }
 
+/* A line n . x = at. */
+struct line {
+    struct vec n;
+    double at;
+};
+
+static struct line line_of(const struct walls *walls, size_t w)
+{
+    struct vec in = wall_inward(walls, w);
+    return (struct line){in, vec_dot(in, vec(walls->x0[w], walls->y0[w]))};
+}
+
+/* The far end of the packing in x (direction 0) or y, as a line. */
+static struct line far_end(const struct grains *g, int direction)
+{
+    double low = INFINITY;
+    for (size_t k = 0; k < g->count; k++) {
+        double place = direction ? g->y[k] : g->x[k];
+        low = fmin(low, isfinite(place) ? place - g->radius[k] : INFINITY);
+    }
+    return (struct line){direction ? vec(0, 1) : vec(1, 0), isfinite(low) ? low : 0};
+}
+
 /* Where the lines of the fixed walls meet: their reactions, along their normals, have no virial about it. A direction
  * without a fixed wall is counted from the far end of the packing. 0: a reaction cannot be left out so (two opposite
  * walls or a grain are fixed). */
-static int far_corner(const struct packing *packing, const struct network *network, double corner[2])
+static int far_corner(const struct packing *packing, const struct network *network, struct vec *corner)
 {
-    const struct grains *g = &packing->grains;
+    struct line line[2] = {far_end(&packing->grains, 0), far_end(&packing->grains, 1)};
     int held[2] = {0, 0}, exact = 1;
     for (size_t w = 0; w < packing->walls.count; w++) {
         if (network->wall_dof[w] >= 0 || wall_is_disc(&packing->walls, w))
             continue;
-        int upright = fabs(wall_inward(&packing->walls, w).x) > 0.7;
-        double x = 0.5 * (packing->walls.x0[w] + packing->walls.x1[w]);
-        corner[!upright] = upright ? x : 0.5 * (packing->walls.y0[w] + packing->walls.y1[w]);
-        exact &= ++held[!upright] < 2;
+        int level = fabs(wall_inward(&packing->walls, w).x) <= 0.7;
+        line[level] = line_of(&packing->walls, w);
+        exact &= ++held[level] < 2;
     }
-    double low[2] = {INFINITY, INFINITY};
-    for (size_t k = 0; k < g->count; k++) {
+    for (size_t k = 0; k < packing->grains.count; k++)
         exact &= !network_fixes(packing, k);
-        low[0] = fmin(low[0], isfinite(g->x[k]) ? g->x[k] - g->radius[k] : INFINITY);
-        low[1] = fmin(low[1], isfinite(g->y[k]) ? g->y[k] - g->radius[k] : INFINITY);
-    }
-    for (int d = 0; d < 2; d++)
-        if (held[d] != 1)
-            corner[d] = isfinite(low[d]) ? low[d] : 0;
-    return exact;
+    double determinant = vec_cross(line[0].n, line[1].n);
+    *corner = vec((line[0].at * line[1].n.y - line[1].at * line[0].n.y) / determinant,
+                  (line[1].at * line[0].n.x - line[0].at * line[1].n.x) / determinant);
+    return exact && isfinite(corner->x) && isfinite(corner->y);
 }
 
 /* The sum of fn times branch length over the contacts, from the loads: -sum F . x about the far corner. */
 static double virial_of_loads(const struct packing *packing, const struct network *network, int *exact)
 {
     const struct grains *g = &packing->grains;
-    double corner[2], virial = 0;
-    *exact = far_corner(packing, network, corner);
+    struct vec corner;
+    double virial = 0;
+    *exact = far_corner(packing, network, &corner);
     for (size_t w = 0; w < packing->walls.count; w++) {
         if (network->wall_dof[w] < 0)
             continue;
-        struct vec in = wall_inward(&packing->walls, w);
-        struct vec middle = vec(0.5 * (packing->walls.x0[w] + packing->walls.x1[w]) - corner[0],
-                                0.5 * (packing->walls.y0[w] + packing->walls.y1[w]) - corner[1]);
-        virial -= wall_load(&packing->walls, w) * vec_dot(in, middle);
+        struct line line = line_of(&packing->walls, w);
+        virial -= wall_load(&packing->walls, w) * (line.at - vec_dot(line.n, corner));
     }
     for (size_t k = 0; k < g->count; k++)
         if (network->grain_dof[k] >= 0)
-            virial -= column_or_zero(g->load_x, k) * (g->x[k] - corner[0]) +
-                      column_or_zero(g->load_y, k) * (g->y[k] - corner[1]);
+            virial -= column_or_zero(g->load_x, k) * (g->x[k] - corner.x) +
+                      column_or_zero(g->load_y, k) * (g->y[k] - corner.y);
     return virial;
 }
 

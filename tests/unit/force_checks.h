@@ -76,12 +76,13 @@ static inline double add_up(const struct packing *packing, const struct forces *
     }
     for (size_t w = 0; w < packing->walls.count; w++) {
         const double *wall = &sum[3 * (g->count + w)];
+        const char *name = packing->walls.name[w];
         double fx = packing->walls.fx[w], fy = packing->walls.fy[w];
-        int upright = fabs(wall_inward(&packing->walls, w).x) > 0.5;
-        if (upright && isfinite(fx) && strncmp(packing->walls.name[w], "left", 5))
-            largest = fmax(largest, fabs(wall[0] + fx));
-        if (!upright && isfinite(fy) && strncmp(packing->walls.name[w], "bottom", 7))
-            largest = fmax(largest, fabs(wall[1] + fy));
+        struct vec in = wall_inward(&packing->walls, w); /* a load at right angles to the normal may be missing */
+        double load =
+            (isnan(fx) && fabs(in.x) < 1e-6 ? 0 : fx * in.x) + (isnan(fy) && fabs(in.y) < 1e-6 ? 0 : fy * in.y);
+        if (isfinite(load) && strncmp(name, "left", 5) && strncmp(name, "bottom", 7))
+            largest = fmax(largest, fabs(wall[0] * in.x + wall[1] * in.y + load));
     }
     free(sum);
     return largest / mean;
