@@ -16,7 +16,7 @@ struct profile {
     double deeper;   /* the part between the near and the deep depth */
 };
 
-/* Fills the table; before the first profile_at(), from one thread. */
+/* Fills the table, once, whichever thread comes first; before the first profile_at(). */
 void profile_prepare(void);
 
 extern struct profile profile_table[2 * PROFILE_REACH * PROFILE_PER_UNIT + 2];
