@@ -67,7 +67,7 @@ static int parse_file(FILE *file, const char *path, struct force_record *record)
         }
     }
     free(line);
-    if (!status && ferror(file))
+    if (!status && !feof(file)) /* a failing disk, or memory gone */
         return error_failed("%s: %s", path, strerror(errno));
     if (!status && record->count < 2)
         return error_input("%s: %zu row%s: a record needs two or more", path, record->count,

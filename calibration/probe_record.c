@@ -68,6 +68,8 @@ static int read_rows(FILE *file, const char *what, struct probe_record *record, 
             status = keep(record, &row);
         *good = status ? *good : ftell(file);
     }
+    if (!status && !feof(file)) /* a failing disk, or memory gone: nothing may be cut off */
+        status = error_failed("%s: %s", record->path, strerror(errno));
     free(line);
     return status;
 }

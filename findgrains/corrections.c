@@ -44,11 +44,12 @@ static int read_numbers(const char *line, double values[3])
 static int read_list(const char *path, int columns, const char *format, struct corrections *corrections)
 {
     FILE *file = fopen(path, "r");
-    char line[256];
+    char *line = NULL;
+    size_t room = 0;
     int status = 0;
     if (!file)
         return error_input("%s: %s: give a file with one grain per line", path, strerror(errno));
-    for (int number = 1; !status && fgets(line, sizeof line, file); number++) {
+    for (int number = 1; !status && getline(&line, &room, file) > 0; number++) {
         double values[3] = {0};
         int count = read_numbers(line, values);
         if (count == 0)
@@ -60,8 +61,9 @@ static int read_list(const char *path, int columns, const char *format, struct c
     }
     if (!status && ferror(file) && errno == EISDIR)
         status = error_input("%s: is a folder: give a file with one grain per line", path);
-    else if (!status && ferror(file))
-        status = error_failed("%s: cannot be read: check the disk", path);
+    else if (!status && !feof(file))
+        status = error_failed("%s: %s", path, strerror(errno));
+    free(line);
     fclose(file);
     return status;
 }

@@ -96,6 +96,8 @@ static int read_lines(FILE *file, struct text *text)
             memcpy(text->values + row++ * (size_t)text->columns, values, (size_t)count * sizeof *values);
     }
     free(line);
+    if (!status && !feof(file)) /* a failing disk, or memory gone */
+        return error_failed("%s: %s", text->path, strerror(errno));
     if (!status && (!text->rows || row < text->rows))
         status = error_input("%s: ends after %zu of %zu grains", text->path, row, text->rows);
     return status;

@@ -1,6 +1,9 @@
 # What the tests of faults share; sourced by them. They run every program on a tiny series (13 rods, 3 photos of
 # 260 x 300) and compare with what an undisturbed run makes.
 
+# The scripts work in a folder of their own: where SOURCE and BUILD are must not depend on it.
+set -- "$(realpath "$1")" "$(realpath "$2")" "${@:3}"
+
 complaints=0
 complain() {
     echo "WRONG: $*"
