@@ -1,5 +1,6 @@
 #include "report/export.h"
 
+#include <ctype.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -15,14 +16,24 @@ struct sheet {
     const char *prefix;
 };
 
+/* What stands before a column's name comes from the file: letters and digits alone. */
+static void put_prefix(const char *prefix, FILE *stream)
+{
+    for (const char *c = prefix; *c; c++)
+        fputc(isalnum((unsigned char)*c) ? *c : '_', stream);
+    if (*prefix)
+        fputc('_', stream);
+}
+
 static void put_heading(const struct sheet *sheet, FILE *stream, int *first)
 {
     for (size_t c = 0; c < sheet->kind->column_count; c++) {
         const struct column *column = &sheet->kind->columns[c];
         if (!*table_array(column, sheet->table))
             continue;
-        fprintf(stream, "%s%s%s%s [%s]", *first ? "" : ",", sheet->prefix, *sheet->prefix ? "_" : "", column->name,
-                column->units);
+        fputs(*first ? "" : ",", stream);
+        put_prefix(sheet->prefix, stream);
+        fprintf(stream, "%s [%s]", column->name, column->units);
         if (!strcmp(column->name, "flags") && sheet->kind->flag_names)
             fputs(",flag_names", stream);
         *first = 0;
@@ -40,10 +51,10 @@ static void put_flags(const struct table_kind *kind, uint32_t flags, FILE *strea
         }
 }
 
-/* Quoted, so that no name can end its cell. */
+/* Quoted, so that no name can end its cell; behind an apostrophe where a spreadsheet would take it for a formula. */
 static void put_name(const char *name, FILE *stream)
 {
-    fputc('"', stream);
+    fputs(strchr("=+-@", *name) && *name ? "\"'" : "\"", stream);
     for (int k = 0; k < NAME_LENGTH && name[k]; k++) {
         if (name[k] == '"')
             fputc('"', stream);

@@ -383,6 +383,32 @@ static void test_csv(void **unused)
     loaded_free(&loaded);
 }
 
+static int walls_as_csv(const struct loaded *loaded, FILE *stream)
+{
+    return export_csv(loaded, "walls", stream);
+}
+
+/* Names come from files: none ends its cell, and none is a formula to a spreadsheet. */
+static void test_csv_names(void **unused)
+{
+    (void)unused;
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    make_chain(&loaded.packing);
+    strcpy(loaded.packing.forces[0].method, "=a\",b");
+    char *text = text_of(contacts_as_csv, &loaded);
+    assert_non_null(strstr(text, "flags [1],flag_names,_a__b_fn [N],_a__b_ft [N],"));
+    free(text);
+    static const char *const names[] = {"=1+1", "+1", "-1", "@x", "a\"b,c"};
+    static const char *const cells[] = {"\"'=1+1\",", "\"'+1\",", "\"'-1\",", "\"'@x\",", "\"a\"\"b,c\","};
+    for (int k = 0; k < 5; k++) {
+        strcpy(loaded.packing.walls.name[0], names[k]);
+        text = text_of(walls_as_csv, &loaded);
+        assert_int_equal(strncmp(text + strcspn(text, "\n") + 1, cells[k], strlen(cells[k])), 0);
+        free(text);
+    }
+    loaded_free(&loaded);
+}
+
 /* A grain at (100.4, 50.7) that turned by 90 degrees and did not move: the material at (100, 51) goes round it. */
 static void test_dic(void **unused)
 {
@@ -677,6 +703,7 @@ int main(void)
         cmocka_unit_test(test_compare_renumbered),
         cmocka_unit_test(test_pearson),
         cmocka_unit_test(test_csv),
+        cmocka_unit_test(test_csv_names),
         cmocka_unit_test(test_dic),
         cmocka_unit_test(test_other_exports),
         cmocka_unit_test(test_map_widths),
