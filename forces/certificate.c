@@ -32,6 +32,7 @@ static int least_squares(const struct network *network, const struct force_optio
         }
         for (size_t d = 0; d < network->dofs; d++)
             map.soft[d] = 1;
+        map.feasible = 1;
         status = map_interior(&map, &iterations) < 0 ? -1 : 0;
         network_unbalance(network, map.forces, y);
     }

@@ -9,7 +9,7 @@
 
 #include "pipeline/error.h"
 
-enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve */ };
+enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve, unless `feasible` */ };
 #define INTERIOR_STALL 1e-3  /* while it is larger than this, in <fn> */
 #define INTERIOR_BALANCE 0.1 /* of the tolerance */
 #define INTERIOR_DATA 1e-6   /* in <fn>, and in 1 / <fn> for the multipliers */
@@ -259,7 +259,7 @@ int map_interior(struct map *map, int *iterations)
             map->off <= INTERIOR_OFF)
             status = 0;
         else if (k >= INTERIOR_STEPS || !isfinite(map->gap) ||
-                 (map->balance > INTERIOR_STALL && map->balance > 0.5 * before))
+                 (!map->feasible && map->balance > INTERIOR_STALL && map->balance > 0.5 * before))
             break;
         else if (advance(map, keep))
             status = -1;

@@ -121,6 +121,7 @@ static int solve_hard(struct map *map, struct outcome *outcome)
 static int solve_soft(struct map *map, struct outcome *outcome)
 {
     map->warm = 0;
+    map->feasible = 1;
     set_slack(map, 1);
     set_soft(map, SOFT_BALANCE * SOFT_BALANCE);
     for (int k = 0; k <= SOFT_ROUNDS; k++) {

@@ -75,6 +75,7 @@ void map_copy(const struct map *from, struct map *to)
 {
     memcpy(to->store, from->store, store_size(from) * sizeof(double));
     to->warm = from->warm;
+    to->feasible = from->feasible;
     to->length = from->length;
 }
 

@@ -41,12 +41,21 @@ static int check_grains(const struct packing *packing)
     for (size_t k = 0; k < g->count; k++) {
         if (g->flags && (g->flags[k] & GRAIN_DISTRUST))
             continue; /* its contacts are flagged, or were made of numbers that are finite */
-        if (!isfinite(g->x[k]) || !isfinite(g->y[k]) || !(g->radius[k] > 0))
+        if (!isfinite(g->x[k]) || !isfinite(g->y[k]) || !isfinite(g->radius[k]) || !(g->radius[k] > 0))
             return error_input("grain %zu has no finite place or radius: run contacts again, or flag the row", k);
         if (!isfinite(column_or_zero(g->load_x, k)) || !isfinite(column_or_zero(g->load_y, k)) ||
             !isfinite(column_or_zero(g->load_m, k)))
             return error_input("grain %zu has a load that is not finite: give its density, or leave gravity out", k);
     }
+    return 0;
+}
+
+static int check_walls(const struct walls *walls)
+{
+    for (size_t w = 0; w < walls->count; w++)
+        if (!isfinite(walls->x0[w]) || !isfinite(walls->y0[w]) || !isfinite(walls->radius[w]) ||
+            (!wall_is_disc(walls, w) && (!isfinite(walls->x1[w]) || !isfinite(walls->y1[w]))))
+            return error_input("wall %zu has no finite place or radius: run contacts again", w);
     return 0;
 }
 
@@ -62,7 +71,10 @@ static int check_held(const struct packing *packing)
 
 int network_check(const struct packing *packing, const struct network_options *options)
 {
-    return check_held(packing) || check_grains(packing) || check_contacts(packing, options) ? -1 : 0;
+    return check_held(packing) || check_grains(packing) || check_walls(&packing->walls) ||
+                   check_contacts(packing, options)
+               ? -1
+               : 0;
 }
 
 /* Can one contact alone hold this grain? Its force must be opposite to the load and push. */
