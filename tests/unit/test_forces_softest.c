@@ -244,7 +244,8 @@ static void a_packing_at_rest(void **state)
     check_done(simulate(&simulation, keep_state, &packing));
     options.start = START_OVERLAP;
     infer_and_check(&packing, &options, METHOD_QSM, &forces);
-    for (size_t c = 0; c < packing.contacts.count; c += 6) /* told to slip */
+    for (size_t c = 5; c < packing.contacts.count;
+         c += 8) /* told to slip, but for the first, which would let a grain spin */
         forces.contact.status[c] = forces.contact.fn[c] > 0 ? STATUS_SLIP : forces.contact.status[c];
     check_done(stability_of_forces(&packing, &options, &forces));
     assert_true(forces.stability[0] > 1e-3);
