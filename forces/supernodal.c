@@ -4,13 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Twice, with and without vectors of four: each element is summed in the same order in both, without contraction, so
- * that the numbers are the same on every machine. */
-#if defined(__x86_64__) && defined(__ELF__)
-#define WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define WIDE
-#endif
+#include "pipeline/simd.h"
 
 enum { TILE = 4, MOST_COLUMNS = 48 /* of a panel: wider supernodes are cut, so that a panel stays in the cache */ };
 
@@ -177,8 +171,8 @@ static void pack(const struct supernodal *factor, const struct panel *from, int 
 
 /* Take what the first `depth` columns of `from` say about its rows begin .. end - 1, which are columns of `to`, from
  * `to`. relative: row in `to` of each row of `from`. Above the diagonal the panel holds nothing of use. */
-WIDE static void take_away(struct supernodal *factor, const struct panel *from, int depth, int begin, int end,
-                           const int *relative, const struct panel *to)
+SIMD_CLONES static void take_away(struct supernodal *factor, const struct panel *from, int depth, int begin, int end,
+                                  const int *relative, const struct panel *to)
 {
     double b[MOST_COLUMNS * TILE];
     size_t apart = (size_t)to->rows;
@@ -203,7 +197,7 @@ WIDE static void take_away(struct supernodal *factor, const struct panel *from, 
 }
 
 /* Columns begin .. end - 1 of a panel, up to date but for each other. */
-WIDE static int eliminate(struct supernodal *factor, const struct panel *panel, int begin, int end, int definite)
+SIMD_CLONES static int eliminate(struct supernodal *factor, const struct panel *panel, int begin, int end, int definite)
 {
     size_t apart = (size_t)panel->rows;
     for (int c = begin; c < end; c++) {
@@ -308,7 +302,7 @@ double supernodal_rcond(const struct supernodal *factor)
 /* ---- solution ---- */
 
 /* L x = work, panel by panel. */
-WIDE static void solve_down(struct supernodal *factor, const struct panel *panel)
+SIMD_CLONES static void solve_down(struct supernodal *factor, const struct panel *panel)
 {
     double *x = factor->work + panel->first, *below = factor->below;
     const int *row = factor->row + panel->row;
@@ -336,7 +330,7 @@ static double dot(const double *a, const double *b, int count)
 }
 
 /* L' x = work. */
-WIDE static void solve_up(struct supernodal *factor, const struct panel *panel)
+SIMD_CLONES static void solve_up(struct supernodal *factor, const struct panel *panel)
 {
     double *x = factor->work + panel->first, *below = factor->below;
     const int *row = factor->row + panel->row;

@@ -47,7 +47,7 @@ static void widen(const struct vec corners[4], double width, struct vec wide[4])
 }
 
 /* Lay the layer over what lies behind, inside (or outside) the outline, within the window. */
-TILE_LOOP static void lay(struct tile *tile, struct window w, const struct outline *outline, int outside)
+SIMD_CLONES static void lay(struct tile *tile, struct window w, const struct outline *outline, int outside)
 {
     for (int j = w.y0; j < w.y1; j++) {
         size_t start = (size_t)j * (size_t)tile->width;

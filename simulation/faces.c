@@ -8,8 +8,8 @@ struct face {
 };
 
 /* Annual rings around a pith that lies off the rod's middle: each ring darkens towards its end. */
-TILE_LOOP static void paint_rings(const struct optics *optics, struct tile *tile, struct window w,
-                                  const struct face *face, size_t grain)
+SIMD_CLONES static void paint_rings(const struct optics *optics, struct tile *tile, struct window w,
+                                    const struct face *face, size_t grain)
 {
     uint64_t key = body_key(optics, BODY_RING, grain);
     double turn = 6.283185307179586 * random_uniform(key, 0),
@@ -33,8 +33,8 @@ TILE_LOOP static void paint_rings(const struct optics *optics, struct tile *tile
 }
 
 /* A pencil line across a face: dark, straight, fixed to the rod. */
-TILE_LOOP static void paint_line(const struct optics *optics, struct tile *tile, struct window w,
-                                 const struct face *face, size_t grain)
+SIMD_CLONES static void paint_line(const struct optics *optics, struct tile *tile, struct window w,
+                                   const struct face *face, size_t grain)
 {
     uint64_t key = body_key(optics, BODY_LINE, grain);
     if (random_uniform(key, 0) >= optics->line_share)
@@ -62,7 +62,8 @@ static float least(float a, float b)
 
 /* Cut the layer to the face's rim r(phi) = radius + c cos 2(phi - angle) + s sin 2(phi - angle), darken the bevel, and
  * add what no earlier grain hides. Touching faces share a cell exactly: shares add up to at most 1. */
-TILE_LOOP static void lay_face(const struct optics *optics, struct tile *tile, struct window w, const struct face *face)
+SIMD_CLONES static void lay_face(const struct optics *optics, struct tile *tile, struct window w,
+                                 const struct face *face)
 {
     double c2 = cos(2 * face->angle), s2 = sin(2 * face->angle);
     float a = (float)(face->shape_c * c2 - face->shape_s * s2), b = (float)(face->shape_c * s2 + face->shape_s * c2);
@@ -89,8 +90,8 @@ TILE_LOOP static void lay_face(const struct optics *optics, struct tile *tile, s
 
 /* The rod goes back from its face towards the point that the camera aims at: parallax px per px from the photo's
  * middle. What shows of it is the strip that the disc sweeps, darker the deeper. */
-TILE_LOOP static void lay_flank(const struct optics *optics, struct tile *tile, struct window w,
-                                const struct face *face, struct vec sweep)
+SIMD_CLONES static void lay_flank(const struct optics *optics, struct tile *tile, struct window w,
+                                  const struct face *face, struct vec sweep)
 {
     double length = vec_norm(sweep);
     struct vec along = vec_unit(sweep);

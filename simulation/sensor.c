@@ -34,8 +34,8 @@ int sensor_begin(struct sensor *sensor, const struct optics *optics, long index,
 }
 
 /* Point spread in y for the pixel row that starts at cell row `first`. */
-TILE_LOOP static void spread_rows(const struct sensor *sensor, const struct tile *tile, int first,
-                                  float *restrict column)
+SIMD_CLONES static void spread_rows(const struct sensor *sensor, const struct tile *tile, int first,
+                                    float *restrict column)
 {
     for (int i = 0; i < tile->width; i++)
         column[i] = 0;

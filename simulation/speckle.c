@@ -20,7 +20,7 @@ static int node_count(uint64_t key)
     return count;
 }
 
-TILE_LOOP static void stamp(const struct tile *tile, double x, double y, double radius, float level, struct window in)
+SIMD_CLONES static void stamp(const struct tile *tile, double x, double y, double radius, float level, struct window in)
 {
     struct window dot = tile_window(tile, x, y, radius);
     int x0 = dot.x0 > in.x0 ? dot.x0 : in.x0, x1 = dot.x1 < in.x1 ? dot.x1 : in.x1;

@@ -10,18 +10,11 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "pipeline/simd.h"
 #include "simulation/camera.h"
 #include "simulation/optics.h"
 
 enum { CELLS = 4, TILE_PIXELS = 64 };
-
-/* Inner loops are compiled twice and the processor chooses; the same operations in the same order, so the same
- * numbers. (Sanitizers do not get along with the choice at load time.) */
-#if defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-#define TILE_LOOP __attribute__((target_clones("avx2", "default")))
-#else
-#define TILE_LOOP
-#endif
 
 /* Part of a tile, in cells: columns x0 .. x1 - 1, rows y0 .. y1 - 1. */
 struct window {

@@ -6,7 +6,7 @@
 #include <pthread.h>
 
 #include "pipeline/error.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 enum { CUBIC_TAPS = 8, QUINTIC_TAPS = 16, MAX_TAPS = 16, BLOCK = 32 };
 

@@ -1,6 +1,6 @@
 #include "tracker/interpolate.h"
 
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 /* The loops are written so that a compiler can take several pixels at a time: weights and taps by name, no aliases. */
 void interpolate_cubic_plain(const struct patch *patch, const struct line *line, int begin, int count,

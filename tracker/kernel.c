@@ -1,6 +1,6 @@
 #include "tracker/kernel.h"
 
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 enum { STRETCH = 128, LANES = 16 }; /* pixels at a time; partial sums, the same on every machine */
 

@@ -5,7 +5,7 @@
 #include "pipeline/error.h"
 #include "tracker/follow.h"
 #include "tracker/neighbours.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 SIMD_CLONES static uint16_t largest_of(const uint16_t *grey, size_t n)
 {

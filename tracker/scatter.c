@@ -6,7 +6,7 @@
 #include "pipeline/error.h"
 #include "tracker/interpolate.h"
 #include "tracker/kernel.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 enum { TILE_COLUMNS = 16, COMPONENTS = 3 }; /* tiles have SUBSET_STRIP rows */
 static const double prior_freedom = 20; /* weight of the expected ratio: a tile's components are 3 degrees of freedom */

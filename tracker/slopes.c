@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "pipeline/error.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 /* Central differences of sixth order; smoothing by 1 2 1 in both directions. */
 static const float difference[SLOPES_REACH + 1] = {0, 0.75f, -0.15f, 1.0f / 60};

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 #include "tracker/slopes.h"
 
 static const double pi = 3.141592653589793;

@@ -5,7 +5,7 @@
 
 #include "tests/dots.h"
 #include "tracker/kernel.h"
-#include "tracker/simd.h"
+#include "pipeline/simd.h"
 
 static double cpu_seconds(void)
 {
