@@ -139,8 +139,9 @@ static const struct ray_edge *supporter(const struct rays *rays, int ray, const 
     return best;
 }
 
-/* The largest fall within the tolerance on each ray; this is asked for every trial, so without roots. */
-static double support_of(const struct rays *rays, const struct rim *rim)
+/* The largest fall within the tolerance on each ray; this is asked for every trial, so without roots, and only until
+ * it is clear that the support cannot exceed `least` any more (0 then). */
+static double support_of(const struct rays *rays, const struct rim *rim, double least)
 {
     double support = 0, low = rim->radius - TOLERANCE, high = rim->radius + TOLERANCE;
     low *= fmax(0, low);
@@ -155,6 +156,8 @@ static double support_of(const struct rays *rays, const struct rim *rim)
                 fall = edge->fall;
         }
         support += fall;
+        if (support + (rays->usable_count - 1 - k) < least * RAYS)
+            return 0;
     }
     return support / RAYS;
 }
@@ -196,7 +199,7 @@ static double best_circle(const struct rays *rays, const struct rim *place, uint
         if (fabs(rim.radius - place->radius) > REACH * place->radius ||
             hypot(rim.x - place->x, rim.y - place->y) > 0.5 * place->radius)
             continue;
-        double now = support_of(rays, &rim);
+        double now = support_of(rays, &rim, support);
         if (now > support) {
             support = now;
             needed = fmin(TRIALS, trials_for(support));

@@ -27,6 +27,7 @@ enum {
  * a neighbour is near at all. */
 enum { PIXELS = COLUMNS * COLUMNS, NEAREST, CROWDED, SUMS };
 
+enum { AHEAD = 6 };       /* rows */
 #define HIDDEN_GAP 1.2    /* blurs: a sector whose rim is nearer to a neighbour's than this tells nothing */
 #define BLUR_REACH 5.0    /* blurs: further out a neighbour's edge is nothing */
 #define LEAST_SECTORS 8.0 /* of a rim */
@@ -73,8 +74,9 @@ struct annulus {
     const struct rim *rim, *others;
     size_t other_count;
     const struct edge_settings *settings;
-    double shrink;  /* s^2 / (2 R) */
-    int near_frame; /* some of the annulus may lie outside the zone */
+    double per_blur; /* 1 / s */
+    double shrink;   /* s^2 / (2 R) */
+    int near_frame;  /* some of the annulus may lie outside the zone */
 };
 
 /* Sum of the neighbours' profiles at a pixel; *depth: how deep inside the nearest, px. */
@@ -118,7 +120,7 @@ static void add_products(const struct annulus *ring, double t, double other, dou
 {
     const struct edge_settings *settings = ring->settings;
     struct profile profile = profile_at(t);
-    double bell = profile.bell / settings->blur;
+    double bell = profile.bell * ring->per_blur;
     const pair plain[PLAIN / 2] = {{1, profile.step}, {bell, grey}, {profile.near_rim, profile.deeper}};
     if (settings->texture > 0)
         add_triangle(plain, PLAIN / 2, sums);
@@ -150,7 +152,7 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
     double s = ring->settings->blur, dx = x - rim->x, dy = y - rim->y, r = sqrt(dx * dx + dy * dy);
     if (!(r > 0))
         return;
-    double rho = r - rim_radius_at(rim, dx / r, dy / r) + ring->shrink;
+    double per_r = 1 / r, rho = r - rim_radius_at(rim, dx * per_r, dy * per_r) + ring->shrink;
     if (fabs(rho) > ring->settings->window)
         return;
     int k = (int)(turn_of(dy, dx) * work->count);
@@ -170,7 +172,7 @@ static void add_pixel(const struct annulus *ring, int x, int y, double grey, str
         if (inside < OUTSIDE_ZONE * s)
             return;
     }
-    add_products(ring, rho / s, other, grey, sums);
+    add_products(ring, rho * ring->per_blur, other, grey, sums);
 }
 
 static void add_run(const struct annulus *ring, int y, double from, double to, struct edge_work *work)
@@ -179,6 +181,13 @@ static void add_run(const struct annulus *ring, int y, double from, double to, s
     const uint16_t *row = photo_row(ring->photo, y);
     for (int x = x0; x <= x1; x++)
         add_pixel(ring, x, y, row[x], work);
+}
+
+/* The pixels of a row are asked for some rows ahead: the photo is far larger than any cache. */
+static void fetch(const struct photo *photo, double x, int y)
+{
+    if (y < photo->height)
+        __builtin_prefetch(photo_row(photo, y) + (int)fmax(0, fmin(photo->width - 1, x)));
 }
 
 static void add_annulus(const struct annulus *ring, struct edge_work *work)
@@ -190,6 +199,9 @@ static void add_annulus(const struct annulus *ring, struct edge_work *work)
     for (int y = y0; y <= y1; y++) {
         double dy = y - rim->y, half = sqrt(fmax(0, outer * outer - dy * dy));
         double hole = fabs(dy) < inner ? sqrt(inner * inner - dy * dy) : 0;
+        double ahead = sqrt(fmax(0, outer * outer - (dy + AHEAD) * (dy + AHEAD)));
+        fetch(ring->photo, rim->x - ahead, y + AHEAD);
+        fetch(ring->photo, rim->x + ahead, y + AHEAD);
         if (hole > 0) {
             add_run(ring, y, rim->x - half, rim->x - hole, work);
             add_run(ring, y, rim->x + hole, rim->x + half, work);
@@ -333,7 +345,8 @@ int edge_fit(const struct photo *photo, const struct zone *zone, const struct ri
         return -1;
     profile_prepare();
     double s = settings->blur, reach = rim->radius + settings->window + 2 * s;
-    struct annulus ring = {photo, zone, rim, others, other_count, settings, .shrink = s * s / (2 * rim->radius)};
+    struct annulus ring = {
+        photo, zone, rim, others, other_count, settings, .per_blur = 1 / s, .shrink = s * s / (2 * rim->radius)};
     ring.near_frame = zone->has_frame && zone_depth(zone, rim->x, rim->y) < reach;
     mark_crowded(&ring, work);
     add_annulus(&ring, work);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { RAYS = 192, PROFILE = 128, ROUNDS = 8 };
+enum { RAYS = 128, PROFILE = 128, ROUNDS = 8 };
 #define REACH 2.5     /* spreads of the capture on both sides of its rim, */
 #define MORE_REACH 2  /* px further */
 #define FAINTEST 0.15 /* fall, in contrasts of the photo */

@@ -314,34 +314,45 @@ static int trial(const struct photo *photo, const struct zone *zone, const struc
     return 0;
 }
 
+/* Try one choice; the best so far is left in *best, its error in *least. Returns 1 when this one pays by `factor`. */
+static int try_choice(const struct photo *photo, const struct zone *zone, const struct rims_state *try,
+                      const struct rims *rims, struct rows rows, double factor, struct rims_state *best, double *least)
+{
+    double error;
+    if (trial(photo, zone, try, rims, rows, &error))
+        return -1;
+    if (!(error < factor * *least))
+        return 0;
+    *least = error;
+    *best = *try;
+    return 1;
+}
+
 /* Texture and band are the photo's own: of a few choices, those with which its rims agree best with themselves. First
- * the texture in a wide band, then the band. */
+ * the texture in a middling band, then the band: narrower while that pays, wider when it does not. */
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
                        const struct rims *rims, struct rows rows)
 {
-    static const double textures[] = {0, 1, 2, 3, 4.5}, windows[] = {1.7, 2.5, 3.5, 5};
+    static const double textures[] = {0, 1, 2, 3, 4.5}, windows[] = {3.5, 2.5, 1.7}, widest = 5;
     struct rims_state try = *state, best = *state;
-    double least = INFINITY, error;
-    try.window = 3.5 * state->blur;
-    for (size_t k = 0; k < sizeof textures / sizeof *textures && rows.count; k++) {
+    double least = INFINITY;
+    int paid = 1;
+    if (rows.count == 0)
+        return 0;
+    try.window = windows[0] * state->blur;
+    for (size_t k = 0; k < sizeof textures / sizeof *textures; k++) {
         try.texture = textures[k];
-        if (trial(photo, zone, &try, rims, rows, &error))
+        if (try_choice(photo, zone, &try, rims, rows, CLEARLY, &best, &least) < 0)
             return -1;
-        if (error < CLEARLY * least) {
-            least = error;
-            best = try;
-        }
     }
     try.texture = best.texture;
-    for (size_t k = 0; k < sizeof windows / sizeof *windows && rows.count; k++) {
+    for (size_t k = 1; k < sizeof windows / sizeof *windows && paid > 0; k++) {
         try.window = windows[k] * state->blur;
-        if (trial(photo, zone, &try, rims, rows, &error))
-            return -1;
-        if (error < least) {
-            least = error;
-            best = try;
-        }
+        paid = try_choice(photo, zone, &try, rims, rows, 1, &best, &least);
     }
+    try.window = widest * state->blur;
+    if (paid >= 0 && best.window >= windows[0] * state->blur)
+        paid = try_choice(photo, zone, &try, rims, rows, 1, &best, &least);
     *state = best;
-    return 0;
+    return paid < 0 ? -1 : 0;
 }
