@@ -74,9 +74,10 @@ struct annulus {
     const struct rim *rim, *others;
     size_t other_count;
     const struct edge_settings *settings;
-    double per_blur; /* 1 / s */
-    double shrink;   /* s^2 / (2 R) */
-    int near_frame;  /* some of the annulus may lie outside the zone */
+    double per_blur;     /* 1 / s */
+    double shrink;       /* s^2 / (2 R) */
+    double outer, inner; /* radii between which it lies */
+    int near_frame;      /* some of the annulus may lie outside the zone */
 };
 
 /* Sum of the neighbours' profiles at a pixel; *depth: how deep inside the nearest, px. */
@@ -183,30 +184,39 @@ static void add_run(const struct annulus *ring, int y, double from, double to, s
         add_pixel(ring, x, y, row[x], work);
 }
 
-/* The pixels of a row are asked for some rows ahead: the photo is far larger than any cache. */
-static void fetch(const struct photo *photo, double x, int y)
+/* The columns of one row that meet the annulus: from `hole` to `half` on both sides of the centre. */
+static void row_of(const struct annulus *ring, int y, double *half, double *hole)
 {
-    if (y < photo->height)
-        __builtin_prefetch(photo_row(photo, y) + (int)fmax(0, fmin(photo->width - 1, x)));
+    double dy = y - ring->rim->y;
+    *half = sqrt(fmax(0, ring->outer * ring->outer - dy * dy));
+    *hole = fabs(dy) < ring->inner ? sqrt(ring->inner * ring->inner - dy * dy) : 0;
+}
+
+/* The pixels of a row are asked for some rows ahead: the photo is far larger than any cache. */
+static void fetch(const struct annulus *ring, int y)
+{
+    const struct photo *photo = ring->photo;
+    double half, hole, x = ring->rim->x;
+    if (y >= photo->height)
+        return;
+    row_of(ring, y, &half, &hole);
+    const double ends[] = {x - half, x - hole, x + hole, x + half};
+    for (int k = 0; k < 4; k++)
+        __builtin_prefetch(photo_row(photo, y) + (int)fmax(0, fmin(photo->width - 1, ends[k])));
 }
 
 static void add_annulus(const struct annulus *ring, struct edge_work *work)
 {
-    const struct rim *rim = ring->rim;
-    double bulge = fabs(rim->c2) + fabs(rim->s2) + ring->settings->window;
-    double outer = rim->radius + bulge, inner = fmax(0, rim->radius - ring->shrink - bulge);
-    int y0 = (int)fmax(0, ceil(rim->y - outer)), y1 = (int)fmin(ring->photo->height - 1, floor(rim->y + outer));
-    for (int y = y0; y <= y1; y++) {
-        double dy = y - rim->y, half = sqrt(fmax(0, outer * outer - dy * dy));
-        double hole = fabs(dy) < inner ? sqrt(inner * inner - dy * dy) : 0;
-        double ahead = sqrt(fmax(0, outer * outer - (dy + AHEAD) * (dy + AHEAD)));
-        fetch(ring->photo, rim->x - ahead, y + AHEAD);
-        fetch(ring->photo, rim->x + ahead, y + AHEAD);
+    double x = ring->rim->x, y = ring->rim->y, half, hole;
+    int y0 = (int)fmax(0, ceil(y - ring->outer)), y1 = (int)fmin(ring->photo->height - 1, floor(y + ring->outer));
+    for (int row = y0; row <= y1; row++) {
+        fetch(ring, row + AHEAD);
+        row_of(ring, row, &half, &hole);
         if (hole > 0) {
-            add_run(ring, y, rim->x - half, rim->x - hole, work);
-            add_run(ring, y, rim->x + hole, rim->x + half, work);
+            add_run(ring, row, x - half, x - hole, work);
+            add_run(ring, row, x + hole, x + half, work);
         } else {
-            add_run(ring, y, rim->x - half, rim->x + half, work);
+            add_run(ring, row, x - half, x + half, work);
         }
     }
 }
@@ -347,6 +357,9 @@ int edge_fit(const struct photo *photo, const struct zone *zone, const struct ri
     double s = settings->blur, reach = rim->radius + settings->window + 2 * s;
     struct annulus ring = {
         photo, zone, rim, others, other_count, settings, .per_blur = 1 / s, .shrink = s * s / (2 * rim->radius)};
+    double bulge = fabs(rim->c2) + fabs(rim->s2) + settings->window;
+    ring.outer = rim->radius + bulge;
+    ring.inner = fmax(0, rim->radius - ring.shrink - bulge);
     ring.near_frame = zone->has_frame && zone_depth(zone, rim->x, rim->y) < reach;
     mark_crowded(&ring, work);
     add_annulus(&ring, work);
