@@ -216,12 +216,20 @@ static void keep_sure(struct candidates *found, size_t first, size_t end)
     found->count = kept;
 }
 
-static size_t count_likely(const struct candidates *found, size_t first)
+/* Likely grains of the octave below `high` that stand their ground: circles of specks inside a larger grain do not. */
+static int count_likely(const struct candidates *found, double high, size_t *count)
 {
-    size_t count = 0;
-    for (size_t k = first; k < found->count; k++)
-        count += found->items[k].support >= LIKELY_SUPPORT;
-    return count;
+    struct candidates list = {0};
+    int status = 0;
+    for (size_t k = 0; k < found->count && !status; k++)
+        status = candidates_add(&list, &found->items[k]);
+    if (!status)
+        status = candidates_thin(&list, DETECT_OVERLAP, candidates_merit);
+    *count = 0;
+    for (size_t k = 0; k < list.count; k++)
+        *count += list.items[k].rim.radius < high && list.items[k].support >= LIKELY_SUPPORT;
+    candidates_free(&list);
+    return status;
 }
 
 /* From the largest radius down while octaves show grains. */
@@ -232,13 +240,15 @@ static int search_all(struct search *search, double range[2])
     size_t empty = 0; /* found in the octaves before the first grain */
     range[1] = high;
     for (; high > 1.1 * DETECT_SMALLEST; high /= 2) {
-        size_t sure = search->sure.count, found = search->found->count;
+        size_t sure = search->sure.count, found = search->found->count, likely;
         range[0] = fmax(DETECT_SMALLEST, high / 2);
         if (search_octave(search, range[0], high))
             return -1;
         if (search->sure.count == 0)
             empty = search->found->count;
-        if (sure && (double)count_likely(search->found, found) <= FEW * (double)sure) {
+        if (count_likely(search->found, high, &likely))
+            return -1;
+        if (sure && (double)likely <= FEW * (double)sure) {
             keep_sure(search->found, found, search->found->count);
             break;
         }

@@ -116,12 +116,12 @@ static void polish_rim(const struct photo *photo, double contrast, struct candid
 {
     struct place places[RAYS];
     struct rim rim = item->rim;
-    double spread = item->spread, reach = REACH * spread + MORE_REACH, scatter = 0, share = 0;
+    double spread = item->spread, limit = REACH * spread + MORE_REACH, reach = limit, scatter = 0, share = 0;
     for (int pass = 0; pass < 2; pass++) {
         int rays, count = find_places(photo, &rim, reach, contrast, places, &rays);
         if (count < 8 || !fit_places(places, count, rays, &rim, &scatter, &share) || share < CONFIRMED)
             return;
-        if (hypot(rim.x - item->rim.x, rim.y - item->rim.y) > reach || fabs(rim.radius - item->rim.radius) > reach)
+        if (hypot(rim.x - item->rim.x, rim.y - item->rim.y) > limit || fabs(rim.radius - item->rim.radius) > limit)
             return;
         reach = fmin(reach, 3 * scatter + 1);
         spread = fmin(spread, 3 * scatter / sqrt(share * rays) + 0.1);

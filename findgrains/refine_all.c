@@ -333,7 +333,7 @@ static int try_choice(const struct photo *photo, const struct zone *zone, const 
 int rims_choose_window(const struct photo *photo, const struct zone *zone, struct rims_state *state,
                        const struct rims *rims, struct rows rows)
 {
-    static const double textures[] = {0, 1, 2, 3, 4.5}, windows[] = {3.5, 2.5, 1.7}, widest = 5;
+    static const double textures[] = {0, 1, 2, 3, 4.5, 7}, windows[] = {3.5, 2.5, 1.7}, widest = 5;
     struct rims_state try = *state, best = *state;
     double least = INFINITY;
     int paid = 1;
