@@ -20,6 +20,25 @@ static int is_idle(const struct contact_network *network, const struct grains *g
     return network->idle && (network->idle[pair->i] || ((size_t)pair->j < grains->count && network->idle[pair->j]));
 }
 
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_error(const struct pairs *pairs)
+{
+    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
+    for (size_t p = 0; s && p < pairs->count; p++)
+        s[p] = pairs->pair[p].s_overlap;
+    if (s && pairs->count) {
+        qsort(s, pairs->count, sizeof *s, by_value);
+        value = s[pairs->count / 2];
+    }
+    free(s);
+    return value;
+}
+
 /* The statistics of both kinds of pairs between trusted grains. */
 static int learn(const struct grains *grains, struct contact_network *network)
 {
@@ -35,18 +54,17 @@ static int learn(const struct grains *grains, struct contact_network *network)
     }
     int status = x && s ? 0 : error_memory("overlaps");
     if (status == 0) {
-        pair_statistics_fit(x, s, n, network->window, NULL, &network->bearing);
+        /* between grains that are held, nothing rests: what is near zero is a weak contact or a narrow gap */
+        int rests = !network->idle && !network->unbalanced;
+        network->error = median_error(&network->pairs);
+        pair_statistics_fit(x, s, n, network->window, rests, NULL, &network->bearing);
+        double near = fmin(network->window, fmax(pair_mean_overlap(&network->bearing), 6 * network->error));
+        pair_statistics_fit(x, s, n, near, rests, &network->bearing, &network->bearing);
         pair_statistics_shares(x + m, s + m, count - m, &network->bearing, &network->idle_pairs);
     }
     free(x);
     free(s);
     return status;
-}
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 static void weigh(const struct grains *grains, struct contact_network *network)
@@ -57,19 +75,6 @@ static void weigh(const struct grains *grains, struct contact_network *network)
             is_idle(network, grains, pair) ? &network->idle_pairs : &network->bearing;
         pair->odds = pair_odds(statistics, pair->overlap, pair->s_overlap);
     }
-}
-
-static double median_error(const struct pairs *pairs)
-{
-    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
-    for (size_t p = 0; s && p < pairs->count; p++)
-        s[p] = pairs->pair[p].s_overlap;
-    if (s && pairs->count) {
-        qsort(s, pairs->count, sizeof *s, by_value);
-        value = s[pairs->count / 2];
-    }
-    free(s);
-    return value;
 }
 
 /* From four mean overlaps below zero (or six errors) to as many above, of pairs between grains; the fit for the median
@@ -105,21 +110,23 @@ static double probability_of(const struct contact_input *input, const struct pai
     return pair->odds.touching + (gravity.x != 0 || gravity.y != 0 ? pair->odds.resting : 0);
 }
 
-/* A contact touches or rests rather than being apart: what only rests carries nothing and costs nothing, a lost
- * contact costs much (thesis 3.4.2). */
-static int is_contact(const struct contact_input *input, const struct contact_options *options, const struct pair *pair)
+/* Once it is known which grains carry nothing, by the probability. Before, and where most grains carry nothing, what
+ * rests is a contact too: it costs nothing, a lost contact costs much (thesis 3.4.2). */
+static int is_contact(const struct contact_input *input, const struct contact_options *options, int idle_known,
+                      const struct pair *pair)
 {
     if (isfinite(options->tolerance_px))
         return pair->overlap > -options->tolerance_px * input->scene->scale;
-    return pair->odds.apart < 0.5;
+    return (idle_known ? probability_of(input, pair) : 1 - pair->odds.apart) > 0.5;
 }
 
-static size_t keep_likely(const struct contact_input *input, const struct contact_options *options, struct pairs *pairs)
+static size_t keep_likely(const struct contact_input *input, const struct contact_options *options,
+                          int idle_known, struct pairs *pairs)
 {
     size_t kept = 0;
     for (size_t p = 0; p < pairs->count; p++) {
         struct pair pair = pairs->pair[p];
-        if (is_contact(input, options, &pair) || pair.overlap > -options->candidate_sigmas * pair.s_overlap)
+        if (is_contact(input, options, idle_known, &pair) || pair.overlap > -options->candidate_sigmas * pair.s_overlap)
             pairs->pair[kept++] = pair;
     }
     return pairs->count = kept;
@@ -130,7 +137,7 @@ static int fill_contacts(const struct contact_input *input, const struct contact
 {
     struct contacts *contacts = &packing->contacts;
     table_free(&CONTACTS, contacts);
-    if (table_alloc(&CONTACTS, contacts, keep_likely(input, options, &network->pairs), NULL))
+    if (table_alloc(&CONTACTS, contacts, keep_likely(input, options, network->idle != NULL, &network->pairs), NULL))
         return -1;
     for (size_t c = 0; c < contacts->count; c++) {
         const struct pair *pair = &network->pairs.pair[c];
@@ -144,7 +151,7 @@ static int fill_contacts(const struct contact_input *input, const struct contact
         contacts->s_overlap[c] = pair->s_overlap;
         contacts->probability[c] = probability_of(input, pair);
         contacts->flags[c] = (size_t)pair->j >= packing->grains.count ? CONTACT_WALL : 0;
-        if (!is_contact(input, options, pair))
+        if (!is_contact(input, options, network->idle != NULL, pair))
             contacts->flags[c] |= CONTACT_CANDIDATE;
     }
     return 0;

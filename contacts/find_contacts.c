@@ -101,18 +101,43 @@ static int correct_radii(struct search *search)
     return si_grains(search->input, options, grains);
 }
 
+static int build_network(struct search *search)
+{
+    return contact_network_build(search->input, &search->options, search->reference, &search->network,
+                                 search->packing);
+}
+
+static void forget_shapes(struct grains *grains)
+{
+    free(grains->shape_c);
+    free(grains->shape_s);
+    grains->shape_c = grains->shape_s = NULL;
+}
+
+/* Shapes that are not in equilibrium: mechanics speaks of the circles, and says nothing of the contacts of the shapes. */
+static int back_to_shapes(struct search *search)
+{
+    free(search->network.idle);
+    search->network.idle = NULL;
+    search->network.unbalanced = 1;
+    table_free(&GRAINS, &search->packing->grains);
+    return si_grains(search->input, &search->options, &search->packing->grains);
+}
+
 /* The network from the radii as they are, then again with what it tells about itself. */
 static int find_network(struct search *search)
 {
-    struct packing *packing = search->packing;
     int automatic = is_automatic(&search->options);
-    if ((automatic && correct_radii(search)) || si_reference(search->input, &search->reference) ||
-        contact_network_build(search->input, &search->options, search->reference, &search->network, packing) ||
-        contact_network_find_idle(search->input, &search->network, packing))
+    if ((automatic && correct_radii(search)) || si_reference(search->input, &search->reference))
+        return -1;
+    int unbalanced = search->correction.unbalanced;
+    if (unbalanced)
+        forget_shapes(&search->packing->grains);
+    if (build_network(search) || contact_network_find_idle(search->input, &search->network, search->packing))
         return -1;
     if (automatic && search->correction.decided && search->network.idle && correct_radii(search))
         return -1;
-    return contact_network_build(search->input, &search->options, search->reference, &search->network, packing);
+    return (unbalanced && back_to_shapes(search)) || build_network(search) ? -1 : 0;
 }
 
 static int find_motion(struct search *search)

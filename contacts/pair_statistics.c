@@ -3,11 +3,10 @@
 #include <float.h>
 #include <math.h>
 
-enum { MAX_ROUNDS = 300, FREE = 5 };
+enum { MAX_ROUNDS = 300, FREE = 4 };
 #define CONVERGED 1e-4 /* change of a share, relative change of a scale */
 #define LEAST_FLAT 0.02
 #define LEAST_RESTING 1e-3 /* where the next fit starts: a share of zero would stay zero */
-#define WIDEST_RATIO 2.0   /* of the two scales: a narrow one would take the pairs at rest */
 #define LONGEST_STEP 32.0
 #define ROOT_2_OVER_PI 0.79788456080286536
 #define ROOT_PI_OVER_2 1.2533141373155003
@@ -18,7 +17,7 @@ enum { MAX_ROUNDS = 300, FREE = 5 };
 
 double pair_mean_overlap(const struct pair_statistics *st)
 {
-    return st->flat * ROOT_2_OVER_PI * st->half + (1 - st->flat) * ROOT_PI_OVER_2 * st->hump;
+    return (st->flat * ROOT_2_OVER_PI + (1 - st->flat) * ROOT_PI_OVER_2) * st->scale;
 }
 
 #define ROOT_2PI 2.5066282746310002
@@ -66,18 +65,18 @@ static struct pair_moments moments_of(const struct pair_statistics *st, double x
     s = usable_error(st, s);
     if (x < -FAR * s) /* apart for sure */
         return (struct pair_moments){.odds = {0, 0, 1, log(st->apart / st->window)}};
-    if (x > 30 * fmax(st->half, fmax(st->hump, s))) /* squeezed for sure, beyond all that the density knows */
+    if (x > 30 * fmax(st->scale, s)) /* squeezed for sure, beyond all that the density knows */
         return (struct pair_moments){{1, 0, 0, -450}, st->flat, x * x, x * x};
-    struct cut_normal half = cut_normal(st->half, x, s), hump = cut_normal(st->hump, x, s);
-    double a = 2 * st->touching * st->flat * half.mass;
-    double b = ROOT_2PI * st->touching * (1 - st->flat) * hump.first / st->hump;
+    struct cut_normal cut = cut_normal(st->scale, x, s);
+    double a = 2 * st->touching * st->flat * cut.mass;
+    double b = ROOT_2PI * st->touching * (1 - st->flat) * cut.first / st->scale;
     double resting = x > FAR * s ? 0 : st->resting * normal_density(x / s) / s;
     double apart = x > FAR * s ? 0 : st->apart / st->window * normal_mass(-x / s);
     double touching = fmax(a + b, DBL_MIN), sum = touching + resting + apart;
     return (struct pair_moments){.odds = {touching / sum, resting / sum, apart / sum, log(sum)},
                                  .flat = a / touching,
-                                 .half_square = half.mass > 0 ? half.second / half.mass : 0,
-                                 .hump_square = hump.first > 0 ? hump.third / hump.first : 0};
+                                 .half_square = cut.mass > 0 ? cut.second / cut.mass : 0,
+                                 .hump_square = cut.first > 0 ? cut.third / cut.first : 0};
 }
 
 struct pair_odds pair_odds(const struct pair_statistics *statistics, double x, double s)
@@ -103,18 +102,15 @@ static void first_guess(const double *x, const double *s, size_t count, struct p
     double mean = touching > 0 ? overlap / touching : 0.1 * st->window;
     mean = fmax(mean, fmax(st->pairs ? 0.25 * error / pairs : 0, 1e-6 * st->window));
     st->flat = 0.5;
-    st->half = st->hump = mean;
+    st->scale = mean;
     st->resting = 0.05;
     st->touching = 0.95 * (touching + PRIOR_TOUCHING) / sum;
     st->apart = 0.95 * (pairs - touching + PRIOR_APART) / sum;
 }
 
-/* The scales may differ by no more than WIDEST_RATIO; nor vanish. */
-static void bound_scales(struct pair_statistics *st)
+static void keep_inside(struct pair_statistics *st)
 {
-    double middle = fmax(sqrt(st->half * st->hump), 1e-6 * st->window), ratio = sqrt(WIDEST_RATIO);
-    st->half = fmin(fmax(st->half, middle / ratio), middle * ratio);
-    st->hump = fmin(fmax(st->hump, middle / ratio), middle * ratio);
+    st->scale = fmax(st->scale, 1e-6 * st->window);
     st->flat = fmin(fmax(st->flat, LEAST_FLAT), 1 - LEAST_FLAT);
 }
 
@@ -122,8 +118,8 @@ static void bound_scales(struct pair_statistics *st)
 static double improve(const double *x, const double *s, size_t count, const struct pair_statistics *guess,
                       struct pair_statistics *st)
 {
-    double touching = PRIOR_TOUCHING, resting = PRIOR_RESTING, apart = PRIOR_APART, flat = touching * guess->flat;
-    double half = flat * guess->half * guess->half, hump = 2 * (touching - flat) * guess->hump * guess->hump;
+    double touching = PRIOR_TOUCHING, resting = guess->resting > 0 ? PRIOR_RESTING : 0, apart = PRIOR_APART, flat = touching * guess->flat;
+    double square = (flat + 2 * (touching - flat)) * guess->scale * guess->scale;
     st->log_likelihood = 0;
     for (size_t k = 0; k < count; k++) {
         if (!(x[k] >= -st->window))
@@ -133,8 +129,7 @@ static double improve(const double *x, const double *s, size_t count, const stru
         resting += pair.odds.resting;
         apart += pair.odds.apart;
         flat += pair.odds.touching * pair.flat;
-        half += pair.odds.touching * pair.flat * pair.half_square;
-        hump += pair.odds.touching * (1 - pair.flat) * pair.hump_square;
+        square += pair.odds.touching * (pair.flat * pair.half_square + (1 - pair.flat) * pair.hump_square);
         st->log_likelihood += pair.odds.log_density;
     }
     struct pair_statistics old = *st;
@@ -143,22 +138,19 @@ static double improve(const double *x, const double *s, size_t count, const stru
     st->resting = resting / sum;
     st->apart = apart / sum;
     st->flat = flat / touching;
-    st->half = sqrt(half / flat);
-    st->hump = sqrt(0.5 * hump / (touching - flat));
-    bound_scales(st);
+    st->scale = sqrt(square / (flat + 2 * (touching - flat))); /* the mean of t^2 is a^2, and 2 a^2 for Rayleigh */
+    keep_inside(st);
     double shares = fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting));
-    double scales = fmax(fabs(log(st->half / old.half)), fabs(log(st->hump / old.hump)));
-    return fmax(shares, fmax(scales, fabs(st->flat - old.flat)));
+    return fmax(shares, fmax(fabs(log(st->scale / old.scale)), fabs(st->flat - old.flat)));
 }
 
-/* The numbers as free ones: log ratios of the shares, logs of the scales, logit of flat. */
+/* The numbers as free ones: log ratios of the shares, log of the scale, logit of flat. */
 static void to_free(const struct pair_statistics *st, double free[FREE])
 {
     free[0] = log(st->touching / st->apart);
-    free[1] = log(st->resting / st->apart);
-    free[2] = log(st->half);
-    free[3] = log(st->hump);
-    free[4] = log(st->flat / (1 - st->flat));
+    free[1] = log(fmax(st->resting, DBL_MIN) / st->apart);
+    free[2] = log(st->scale);
+    free[3] = log(st->flat / (1 - st->flat));
 }
 
 static void from_free(const double free[FREE], struct pair_statistics *st)
@@ -167,10 +159,9 @@ static void from_free(const double free[FREE], struct pair_statistics *st)
     st->touching = touching / sum;
     st->resting = resting / sum;
     st->apart = 1 / sum;
-    st->half = exp(free[2]);
-    st->hump = exp(free[3]);
-    st->flat = 1 / (1 + exp(-free[4]));
-    bound_scales(st);
+    st->scale = exp(free[2]);
+    st->flat = 1 / (1 + exp(-free[3]));
+    keep_inside(st);
 }
 
 /* Squared extrapolation (Varadhan and Roland 2008, scheme S3): two rounds tell where the row of rounds is going. */
@@ -187,18 +178,19 @@ static void extrapolate(const double a[FREE], const double b[FREE], const double
     from_free(to, st);
 }
 
-void pair_statistics_fit(const double *x, const double *s, size_t count, double window,
+void pair_statistics_fit(const double *x, const double *s, size_t count, double window, int rests,
                          const struct pair_statistics *start, struct pair_statistics *st)
 {
     struct pair_statistics guess = {.window = window}, good;
     double at[3][FREE];
     first_guess(x, s, count, &guess);
+    guess.resting = rests ? guess.resting : 0;
     *st = guess;
     if (start) {
         *st = *start;
         st->window = window;
         st->pairs = guess.pairs;
-        st->resting = fmax(st->resting, LEAST_RESTING);
+        st->resting = rests ? fmax(st->resting, LEAST_RESTING) : 0;
     }
     good = *st;
     good.log_likelihood = -INFINITY;
@@ -230,8 +222,7 @@ void pair_statistics_shares(const double *x, const double *s, size_t count, cons
     for (int round = 0; round < MAX_ROUNDS; round++) {
         struct pair_statistics old = *st;
         improve(x, s, count, &guess, st);
-        st->half = like->half;
-        st->hump = like->hump;
+        st->scale = like->scale;
         st->flat = like->flat;
         if (fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting)) < CONVERGED)
             break;

@@ -1,12 +1,14 @@
 #include "contacts/radius_offset.h"
 
+
 #include <stdlib.h>
 
 #include "pipeline/error.h"
 
 enum { MAX_PAIRS = 20000, LEAST_PAIRS = 60, TRIALS = 11, ZOOMS = 7 };
 #define UNSHARP 0.4        /* of the mean overlap: an edge is sharper than this, */
-#define CLEARLY 3.0        /* in log-likelihood */
+#define CLEARLY 12.0       /* in log-likelihood */
+#define SHARPER 2.0        /* in log-likelihood: of two readings of the rims */
 #define RESOLVED 0.7       /* deviation over step */
 #define LEAST_CONTRAST 3.0 /* density of touching over that of apart pairs at zero, below which there is no pile-up */
 
@@ -42,8 +44,18 @@ static int trusted(const struct grains *grains, const unsigned char *idle, const
            !((grains->flags[pair->i] | grains->flags[pair->j]) & GRAIN_DISTRUST) && isfinite(pair->overlap);
 }
 
+/* What the shapes add to an overlap, and to its variance. */
+static double shape_overlap(const struct grains *grains, const struct pair *pair, double *variance)
+{
+    double si = column_or_zero(grains->s_shape, pair->i), sj = column_or_zero(grains->s_shape, pair->j);
+    *variance = si * si + sj * sj;
+    return rim_radius(grains, pair->i, pair->n) - grains->radius[pair->i] + rim_radius(grains, pair->j, pair->n) -
+           grains->radius[pair->j];
+}
+
+/* round: every rim as a circle. */
 static int sample_take(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
-                       enum correction_kind kind, struct sample *sample)
+                       enum correction_kind kind, int round, struct sample *sample)
 {
     size_t stride = pairs->count / MAX_PAIRS + 1, room = pairs->count / stride + 2;
     *sample = (struct sample){.x = malloc(room * sizeof(double)),
@@ -56,8 +68,9 @@ static int sample_take(const struct grains *grains, const struct pairs *pairs, c
         const struct pair *pair = &pairs->pair[p];
         if (!trusted(grains, idle, pair))
             continue;
-        sample->x[sample->count] = pair->overlap;
-        sample->s[sample->count] = pair->s_overlap;
+        double variance = 0, shape = round ? shape_overlap(grains, pair, &variance) : 0;
+        sample->x[sample->count] = pair->overlap - shape;
+        sample->s[sample->count] = sqrt(fmax(pair->s_overlap * pair->s_overlap - variance, 0));
         sample->lever[sample->count++] = kind == CORRECT_OFFSET ? 2 : grains->radius[pair->i] + grains->radius[pair->j];
     }
     return 0;
@@ -115,7 +128,7 @@ static double log_likelihood(const struct sample *sample, double correction, str
     for (size_t k = 0; k < sample->count; k++)
         sample->moved[k] = sample->x[k] + correction * sample->lever[k];
     struct pair_statistics start = *st;
-    pair_statistics_fit(sample->moved, sample->s, sample->count, window * 1.000001, st->pairs ? &start : NULL, st);
+    pair_statistics_fit(sample->moved, sample->s, sample->count, window * 1.000001, 1, st->pairs ? &start : NULL, st);
     return st->log_likelihood;
 }
 
@@ -168,7 +181,8 @@ static double best_when_blurred(struct sample *sample, double correction, double
 }
 
 /* Mean and deviation of the likelihood over [low, high], zooming in until the grid resolves it. */
-static void maximise(struct sample *sample, double low, double high, struct radius_correction *correction)
+static void maximise(struct sample *sample, double low, double high, struct radius_correction *correction,
+                     double *softness)
 {
     struct pair_statistics st = {0};
     struct scan scan;
@@ -186,13 +200,13 @@ static void maximise(struct sample *sample, double low, double high, struct radi
     correction->error = scan.deviation;
     log_likelihood(sample, correction->value, &st);
     struct pair_odds odds = pair_odds(&st, 0, 0);
-    double sharp = scan.value[scan.best];
+    *softness = best_when_blurred(sample, correction->value, UNSHARP * pair_mean_overlap(&st)) - scan.value[scan.best];
     if ((odds.touching + odds.resting) < LEAST_CONTRAST * odds.apart)
         correction->why = "contacts do not pile up against gaps";
     else if (error > BLURRED * pair_mean_overlap(&st) ||
              correction->error * sample->mean_lever > HIDDEN * pair_mean_overlap(&st))
         correction->why = "the errors of the overlaps hide the edge";
-    else if (best_when_blurred(sample, correction->value, UNSHARP * pair_mean_overlap(&st)) > sharp + CLEARLY)
+    else if (*softness > CLEARLY)
         correction->why = "the overlaps fall off without an edge (elliptic rods, or errors larger than stated)";
     else
         correction->decided = 1;
@@ -201,13 +215,15 @@ static void maximise(struct sample *sample, double low, double high, struct radi
                                   hypot(MODEL_ERROR * pair_mean_overlap(&st), BLUR_ERROR * error) / sample->mean_lever);
 }
 
-int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
-                               enum correction_kind kind, struct radius_correction *correction)
+/* From one reading of the rims; the softness of the edge (infinite: none was found) tells readings apart. */
+static int estimate(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
+                    enum correction_kind kind, int round, struct radius_correction *correction, double *softness)
 {
     struct sample sample;
     double mode, width;
     *correction = (struct radius_correction){0};
-    if (sample_take(grains, pairs, idle, kind, &sample)) {
+    *softness = INFINITY;
+    if (sample_take(grains, pairs, idle, kind, round, &sample)) {
         sample_free(&sample);
         return -1;
     }
@@ -216,10 +232,28 @@ int radius_correction_estimate(const struct grains *grains, const struct pairs *
     } else {
         find_pile(&sample, &mode, &width);
         sample_cut(&sample, mode - 4 * width);
-        maximise(&sample, -mode - width, -mode + 3 * width, correction);
+        maximise(&sample, -mode - width, -mode + 3 * width, correction, softness);
     }
     if (!correction->decided)
         correction->value = correction->error = 0;
     sample_free(&sample);
+    return 0;
+}
+
+int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs, const unsigned char *idle,
+                               enum correction_kind kind, struct radius_correction *correction)
+{
+    double soft, soft_round;
+    struct radius_correction round;
+    if (estimate(grains, pairs, idle, kind, 0, correction, &soft))
+        return -1;
+    if (!grains->shape_c || !grains->shape_s)
+        return 0;
+    if (estimate(grains, pairs, idle, kind, 1, &round, &soft_round))
+        return -1;
+    if (round.decided && (!correction->decided || soft_round < soft)) {
+        *correction = round;
+        correction->unbalanced = soft_round < soft - SHARPER;
+    }
     return 0;
 }

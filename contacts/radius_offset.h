@@ -16,6 +16,7 @@ struct radius_correction {
     double value;    /* m to add to every radius; or the factor less 1 */
     double error;    /* its standard error */
     const char *why; /* when undecided */
+    int unbalanced;  /* overlaps of the rims as circles have the sharper edge: the shapes are not in equilibrium */
 };
 
 /* Every pair counts whose grains are trusted and not idle (NULL: no grain is; network.h). */

@@ -1,6 +1,6 @@
 /* The contact network from rendered photos, against what was drawn.
  *
- *     bench_network FOLDER...           folders of tests/bench/network_photos
+ *     bench_network [--as-is] FOLDER... folders of tests/bench/network_photos; --as-is: nothing injected
  *     bench_network --box FILE SCALE    width and height between the walls of a packing, px
  *
  * For every folder and injected radius offset: what `--radius-offset auto` finds, precision, recall and F1 of the
@@ -14,10 +14,12 @@
 
 #include "contacts/files.h"
 #include "contacts/find_contacts.h"
+#include "network_score.h"
 #include "pipeline/error.h"
 
-enum { BINS = 10, INJECTED = 5 };
-static const double injected_px[INJECTED] = {-0.3, -0.1, 0, 0.1, 0.3};
+enum { INJECTED = 5 };
+static const double injected_px[INJECTED] = {0, -0.3, -0.1, 0.1, 0.3};
+static int injections = INJECTED;
 
 /* Sums of (error, stated error) for RMS values. */
 struct spread {
@@ -36,10 +38,9 @@ static void spread_add(struct spread *spread, double error, double stated)
 
 static struct {
     struct spread overlap, wall_overlap, un, dun, wall_un, offset;
-    double bin_count[BINS], bin_true[BINS], bin_probability[BINS];
-    double found, right, expected, bearing, bearing_right, best, cases;
-    double wall_found, wall_right, wall_expected;
-    double drawn; /* contacts, also of grains that were not found */
+    struct network_figures figures;
+    struct network_figures once; /* without the injected offsets: every pair counts once */
+    double found, drawn;         /* contacts, also of grains that were not found */
 } all;
 
 /* One photo with its truth. */
@@ -155,12 +156,13 @@ static int drawn_pair(const struct view *view, const struct packing *found, size
     return 1;
 }
 
-static int is_drawn(const struct view *view, int64_t i, int64_t j)
+/* Overlap of a drawn pair, m; -1: apart. */
+static double drawn_contact(const struct view *view, int64_t i, int64_t j)
 {
     for (size_t c = 0; c < view->contacts.count; c++)
         if (view->contacts.i[c] == i && view->contacts.j[c] == j)
-            return view->contacts.overlap[c] > 0;
-    return 0;
+            return view->contacts.overlap[c];
+    return -1;
 }
 
 /* Distance of the drawn centres, or of a centre from the wall, px. */
@@ -185,73 +187,74 @@ static double drawn_overlap(const struct view *view, double scale, int64_t i, in
     return view->drawn.shape_c && view->drawn.shape_c[i] != 0 ? NAN : sum - drawn_distance(view, scale, i, j);
 }
 
-struct measured {
-    double overlap;
-    int right;
-};
-
-static int by_overlap(const void *a, const void *b)
+/* The pairs of the file beside their truth. */
+static int pair_up(const struct view *view, const struct packing *found, double scale, struct scored_network *network)
 {
-    const struct measured *x = a, *y = b;
-    return (x->overlap < y->overlap) - (x->overlap > y->overlap);
-}
-
-/* Precision, recall and F1 of one network, with a line of the table. */
-static void score(const struct view *view, const struct packing *found, const char *folder, int index, double injected,
-                  const struct contact_summary *summary)
-{
-    double called = 0, right = 0, bearing = 0, bearing_right = 0, expected = 0, best = 0, so_far = 0;
-    size_t n = (size_t)view->photo.grains.count, count = found->contacts.count, listed = 0;
-    struct measured *list = malloc((count + 1) * sizeof *list);
+    size_t n = view->photo.grains.count, drawn = view->drawn.count, wanted = 0, listed = 0, carrying = 0, walls = 0;
+    unsigned char *carries = malloc(drawn + 1);
+    if (!carries)
+        return error_memory("grains that carry");
+    network->mean = find_carrying(&view->contacts, drawn, carries);
     for (size_t c = 0; c < view->contacts.count; c++) {
-        expected += is_wanted(view, c);
-        all.drawn += view->contacts.overlap[c] > 0;
-        all.wall_expected += is_wanted(view, c) && (size_t)view->contacts.j[c] >= view->drawn.count;
+        int is = is_wanted(view, c);
+        wanted += is;
+        carrying += is && view->contacts.overlap[c] > 0.01 * network->mean;
+        walls += is && (size_t)view->contacts.j[c] >= drawn;
     }
-    for (size_t c = 0; list && c < count; c++) {
+    int status = 0;
+    for (size_t c = 0; c < found->contacts.count && status == 0; c++) {
         int64_t i, j;
         if (!drawn_pair(view, found, c, &i, &j))
             continue;
-        int is = is_drawn(view, i, j);
-        int contact = !(found->contacts.flags[c] & CONTACT_CANDIDATE);
         size_t a = (size_t)found->contacts.i[c], b = (size_t)found->contacts.j[c];
-        int idle = ((found->grains.flags[a] | (b < n ? found->grains.flags[b] : 0)) & GRAIN_RATTLER) != 0;
-        list[listed++] = (struct measured){found->contacts.overlap[c], is};
-        called += contact;
-        right += contact && is;
-        all.wall_found += contact && b >= n;
-        all.wall_right += contact && is && b >= n;
-        bearing += contact && !idle;
-        bearing_right += contact && !idle && is;
-        if (injected != 0) /* the network does not depend on it: count each pair once */
-            continue;
-        int bin = (int)fmin(BINS - 1, BINS * found->contacts.probability[c]);
-        all.bin_count[bin]++;
-        all.bin_true[bin] += is;
-        all.bin_probability[bin] += found->contacts.probability[c];
+        struct scored_pair pair = {
+            .overlap = found->contacts.overlap[c] / scale,
+            .probability = found->contacts.probability[c],
+            .truth = drawn_contact(view, i, j),
+            .contact = !(found->contacts.flags[c] & CONTACT_CANDIDATE),
+            .idle = ((found->grains.flags[a] | (b < n ? found->grains.flags[b] : 0)) & GRAIN_RATTLER) != 0,
+            .wall = b >= n,
+            .carries = carries[i] && ((size_t)j >= drawn || carries[j])};
+        listed += pair.truth > 0;
+        carrying -= pair.truth > 0.01 * network->mean;
+        walls -= pair.truth > 0 && pair.wall;
+        status = scored_network_add(network, pair);
     }
-    if (list)
-        qsort(list, listed, sizeof *list, by_overlap);
-    for (size_t c = 0; list && c < listed; c++) {
-        so_far += list[c].right;
-        best = fmax(best, 2 * so_far / ((double)(c + 1) + expected));
+    network->missing = (double)(wanted - listed);
+    network->missing_carrying = (double)carrying;
+    network->missing_wall = (double)walls;
+    free(carries);
+    return status;
+}
+
+/* Precision, recall and F1 of one network, with a line of the table. */
+static int score(const struct view *view, const struct packing *found, double scale, const char *folder, int index,
+                 double injected, const struct contact_summary *summary)
+{
+    struct scored_network network = {0};
+    struct network_figures one = {0};
+    if (pair_up(view, found, scale, &network)) {
+        scored_network_free(&network);
+        return -1;
     }
-    free(list);
+    network_figures_add(&network, &one);
+    network_figures_add(&network, &all.figures);
+    if (injected == 0)
+        network_figures_add(&network, &all.once);
+    scored_network_free(&network);
+    for (size_t c = 0; c < view->contacts.count; c++)
+        all.drawn += view->contacts.overlap[c] > 0;
+    all.found += one.all.right;
     double error = summary->radius_offset_px - (view->offset - injected);
-    if (!summary->undecided)
+    if (!summary->undecided && injected == 0)
         spread_add(&all.offset, error, summary->s_radius_offset_px);
-    printf("%-24.24s %d %+5.1f %8.4f %8.4f %7.4f %6.4f %6.4f %6.4f %6.4f %7.4f %7.4f %7.4f %5zu %4.0f %7.3f %7.3f%s\n",
-           folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, right / called,
-           right / expected, 2 * right / (called + expected), best, bearing_right / bearing, bearing_right / expected,
-           2 * bearing_right / (bearing + expected), summary->rattlers, view->lost, summary->mean_overlap_px,
-           summary->s_overlap_px, summary->undecided ? " undecided" : "");
-    all.found += called;
-    all.right += right;
-    all.expected += expected;
-    all.bearing += bearing;
-    all.bearing_right += bearing_right;
-    all.best += best;
-    all.cases++;
+    printf("%-14.14s %d %+5.1f %7.3f %7.4f %6.4f | %6.4f %6.4f %6.4f  %6.4f %6.4f | %6.4f | %6.4f %6.4f %6.4f  %6.4f %4zu "
+           "%3.0f %6.3f %6.3f %s\n",
+           folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, precision(one.all),
+           recall(one.all), f1(one.all), f1(one.best), recall(one.best), f1(one.bearing), precision(one.carrying),
+           recall(one.carrying), f1(one.carrying), f1(one.best_carrying), summary->rattlers, view->lost,
+           summary->mean_overlap_px, summary->s_overlap_px, summary->undecided ? summary->undecided : "");
+    return 0;
 }
 
 /* Errors of overlaps and motions, px, for contacts of the photo as it is (nothing injected). */
@@ -294,7 +297,8 @@ static int try_offset(const struct scene *scene, const struct view *view, const 
         view->photo.grains.radius_px[k] -= injected;
     if (status)
         return -1;
-    score(view, found, folder, index, injected, &summary);
+    if (score(view, found, scene->scale, folder, index, injected, &summary))
+        return -1;
     if (injected == 0)
         errors(first, view, found, scene->scale, index > 0);
     return 0;
@@ -311,7 +315,7 @@ static int folder_run(const char *folder)
     snprintf(path, sizeof path, "%s/scene.json", folder);
     int status = scene_read(path, &scene) || view_read(folder, 0, &view[0]) || view_read(folder, 1, &view[1]) ? -1 : 0;
     for (int index = 0; index < 2; index++)
-        for (int k = 0; status == 0 && k < INJECTED; k++) {
+        for (int k = 0; status == 0 && k < injections; k++) {
             struct packing found = {0};
             status = try_offset(&scene, &view[index], &view[0], name, index, injected_px[k],
                                 index && reference.grains.count ? &reference : NULL, &found);
@@ -333,15 +337,26 @@ static void print_spread(const char *name, const struct spread *spread)
            sqrt(spread->stated / spread->count), sqrt(spread->ratio / spread->count));
 }
 
+static void print_hits(const char *name, struct hits hits)
+{
+    printf("%-44s %9.4f %7.4f %7.4f %8.0f\n", name, precision(hits), recall(hits), f1(hits), hits.expected);
+}
+
 static void print_all(void)
 {
-    printf("\npooled: precision %.4f recall %.4f F1 %.4f, best threshold %.4f; without rattlers %.4f %.4f %.4f\n",
-           all.right / all.found, all.right / all.expected, 2 * all.right / (all.found + all.expected),
-           all.best / all.cases, all.bearing_right / all.bearing, all.bearing_right / all.expected,
-           2 * all.bearing_right / (all.bearing + all.expected));
-    printf("recall with the contacts of lost grains %.4f\n", all.right / all.drawn);
-    printf("walls: precision %.4f recall %.4f of %.0f\n", all.wall_right / all.wall_found,
-           all.wall_right / all.wall_expected, all.wall_expected / INJECTED);
+    printf("\npooled                                       precision  recall      F1 expected\n");
+    print_hits("all contacts", all.figures.all);
+    print_hits("best threshold on the overlap, with the truth", all.figures.best);
+    print_hits("without rattlers", all.figures.bearing);
+    print_hits("carrying force", all.figures.carrying);
+    print_hits("best threshold for these", all.figures.best_carrying);
+    print_hits("walls", all.figures.walls);
+    for (int r = 0; r < RULES; r++) {
+        char name[40];
+        snprintf(name, sizeof name, "probability above %.1f", 0.1 * (r + 1));
+        print_hits(name, all.figures.rule[r]);
+    }
+    printf("recall with the contacts of lost grains %.4f\n", all.found / all.drawn);
     printf("\n%-36s %6s %9s %9s %9s\n", "px", "n", "RMS", "stated", "RMS of error/stated");
     print_spread("radius offset", &all.offset);
     print_spread("overlap, grains", &all.overlap);
@@ -349,10 +364,8 @@ static void print_all(void)
     print_spread("un since the reference, grains", &all.un);
     print_spread("un since the reference, walls", &all.wall_un);
     print_spread("dun since the previous, grains", &all.dun);
-    printf("\nprobability   pairs  stated observed\n");
-    for (int b = 0; b < BINS; b++)
-        printf("%.1f-%.1f %12.0f %8.3f %8.3f\n", b / 10.0, (b + 1) / 10.0, all.bin_count[b],
-               all.bin_probability[b] / all.bin_count[b], all.bin_true[b] / all.bin_count[b]);
+    printf("\n");
+    print_reliability(&all.once);
 }
 
 static int print_box(const char *path, double scale)
@@ -374,10 +387,14 @@ int main(int argc, char **argv)
         status = print_box(argv[2], atof(argv[3]));
     } else {
         printf(
-            "folder              photo  off   needed    error  stated   P      R      F1     best   P      R       F1 "
-            "(no rattlers)  rattl lost overlap  s_x\n");
-        for (int a = 1; a < argc && status == 0; a++)
-            status = folder_run(argv[a]);
+            "folder      photo   off  needed   error stated | P      R      F1     best   its R  | F1 without rattlers | "
+            "carrying: P, R, F1, best     rattlers lost overlap s_x\n");
+        for (int a = 1; a < argc && status == 0; a++) {
+            if (!strcmp(argv[a], "--as-is"))
+                injections = 1;
+            else
+                status = folder_run(argv[a]);
+        }
         if (status == 0)
             print_all();
     }
