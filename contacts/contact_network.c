@@ -120,8 +120,8 @@ static int is_contact(const struct contact_input *input, const struct contact_op
     return (idle_known ? probability_of(input, pair) : 1 - pair->odds.apart) > 0.5;
 }
 
-static size_t keep_likely(const struct contact_input *input, const struct contact_options *options,
-                          int idle_known, struct pairs *pairs)
+static size_t keep_likely(const struct contact_input *input, const struct contact_options *options, int idle_known,
+                          struct pairs *pairs)
 {
     size_t kept = 0;
     for (size_t p = 0; p < pairs->count; p++) {

@@ -15,7 +15,7 @@ struct contact_network {
     double window, error; /* m: how far pairs were looked for; median standard error of their overlaps */
     struct pair_statistics bearing, idle_pairs;
     unsigned char *idle; /* of each grain; NULL: not known yet, every pair counts as bearing */
-    int unbalanced; /* 1: shapes that are not in equilibrium overlap at random (radius_offset.h), nothing rests */
+    int unbalanced;      /* 1: shapes that are not in equilibrium overlap at random (radius_offset.h), nothing rests */
     struct overlap_histogram histogram;
 };
 

@@ -103,8 +103,7 @@ static int correct_radii(struct search *search)
 
 static int build_network(struct search *search)
 {
-    return contact_network_build(search->input, &search->options, search->reference, &search->network,
-                                 search->packing);
+    return contact_network_build(search->input, &search->options, search->reference, &search->network, search->packing);
 }
 
 static void forget_shapes(struct grains *grains)
@@ -114,7 +113,8 @@ static void forget_shapes(struct grains *grains)
     grains->shape_c = grains->shape_s = NULL;
 }
 
-/* Shapes that are not in equilibrium: mechanics speaks of the circles, and says nothing of the contacts of the shapes. */
+/* Shapes that are not in equilibrium: mechanics speaks of the circles, and says nothing of the contacts of the shapes.
+ */
 static int back_to_shapes(struct search *search)
 {
     free(search->network.idle);

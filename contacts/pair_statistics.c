@@ -3,9 +3,10 @@
 #include <float.h>
 #include <math.h>
 
-enum { MAX_ROUNDS = 300, FREE = 4 };
-#define CONVERGED 1e-4 /* change of a share, relative change of a scale */
-#define LEAST_FLAT 0.02
+enum { MAX_ROUNDS = 300, FREE = 5 };
+#define CONVERGED 1e-4     /* change of a share, relative change of a scale */
+#define LEAST_PART 0.02    /* of each of the three laws */
+#define WIDE 3.0           /* scale of the wide law over that of the others */
 #define LEAST_RESTING 1e-3 /* where the next fit starts: a share of zero would stay zero */
 #define LONGEST_STEP 32.0
 #define ROOT_2_OVER_PI 0.79788456080286536
@@ -17,7 +18,7 @@ enum { MAX_ROUNDS = 300, FREE = 4 };
 
 double pair_mean_overlap(const struct pair_statistics *st)
 {
-    return (st->flat * ROOT_2_OVER_PI + (1 - st->flat) * ROOT_PI_OVER_2) * st->scale;
+    return ((st->flat + WIDE * st->wide) * ROOT_2_OVER_PI + (1 - st->flat - st->wide) * ROOT_PI_OVER_2) * st->scale;
 }
 
 #define ROOT_2PI 2.5066282746310002
@@ -53,11 +54,11 @@ static struct cut_normal cut_normal(double scale, double x, double s)
     return (struct cut_normal){mass, first, second, fmax(u * second + 2 * v2 * first, 0)};
 }
 
-/* The odds of one pair, and what the next round needs of it: the share of the half-normal law among what touches, and
- * the mean of t^2 under both laws. */
+/* The odds of one pair, and what the next round needs of it: the shares of two of the laws among what touches, and the
+ * mean of t^2 over the square of its law's scale. */
 struct pair_moments {
     struct pair_odds odds;
-    double flat, half_square, hump_square;
+    double flat, wide, square;
 };
 
 static struct pair_moments moments_of(const struct pair_statistics *st, double x, double s)
@@ -65,18 +66,22 @@ static struct pair_moments moments_of(const struct pair_statistics *st, double x
     s = usable_error(st, s);
     if (x < -FAR * s) /* apart for sure */
         return (struct pair_moments){.odds = {0, 0, 1, log(st->apart / st->window)}};
-    if (x > 30 * fmax(st->scale, s)) /* squeezed for sure, beyond all that the density knows */
-        return (struct pair_moments){{1, 0, 0, -450}, st->flat, x * x, x * x};
-    struct cut_normal cut = cut_normal(st->scale, x, s);
-    double a = 2 * st->touching * st->flat * cut.mass;
-    double b = ROOT_2PI * st->touching * (1 - st->flat) * cut.first / st->scale;
+    double a = st->scale;
+    if (x > 30 * fmax(a, s)) /* squeezed for sure, beyond all that the density knows */
+        return (struct pair_moments){{1, 0, 0, -450}, st->flat, st->wide, pow(x / a, 2)};
+    struct cut_normal cut = cut_normal(a, x, s), broad = cut_normal(WIDE * a, x, s);
+    double flat = 2 * st->flat * cut.mass, wide = 2 * st->wide * broad.mass;
+    double hump = ROOT_2PI * (1 - st->flat - st->wide) * cut.first / a, law = fmax(flat + wide + hump, DBL_MIN);
     double resting = x > FAR * s ? 0 : st->resting * normal_density(x / s) / s;
     double apart = x > FAR * s ? 0 : st->apart / st->window * normal_mass(-x / s);
-    double touching = fmax(a + b, DBL_MIN), sum = touching + resting + apart;
+    double touching = st->touching * law, sum = touching + resting + apart;
+    double square = (cut.mass > 0 ? flat * cut.second / cut.mass : 0) +
+                    (cut.first > 0 ? hump * cut.third / cut.first : 0) +
+                    (broad.mass > 0 ? wide * broad.second / broad.mass / (WIDE * WIDE) : 0);
     return (struct pair_moments){.odds = {touching / sum, resting / sum, apart / sum, log(sum)},
-                                 .flat = a / touching,
-                                 .half_square = cut.mass > 0 ? cut.second / cut.mass : 0,
-                                 .hump_square = cut.first > 0 ? cut.third / cut.first : 0};
+                                 .flat = flat / law,
+                                 .wide = wide / law,
+                                 .square = square / (law * a * a)};
 }
 
 struct pair_odds pair_odds(const struct pair_statistics *statistics, double x, double s)
@@ -102,6 +107,7 @@ static void first_guess(const double *x, const double *s, size_t count, struct p
     double mean = touching > 0 ? overlap / touching : 0.1 * st->window;
     mean = fmax(mean, fmax(st->pairs ? 0.25 * error / pairs : 0, 1e-6 * st->window));
     st->flat = 0.5;
+    st->wide = 0.1;
     st->scale = mean;
     st->resting = 0.05;
     st->touching = 0.95 * (touching + PRIOR_TOUCHING) / sum;
@@ -111,15 +117,19 @@ static void first_guess(const double *x, const double *s, size_t count, struct p
 static void keep_inside(struct pair_statistics *st)
 {
     st->scale = fmax(st->scale, 1e-6 * st->window);
-    st->flat = fmin(fmax(st->flat, LEAST_FLAT), 1 - LEAST_FLAT);
+    double flat = fmax(st->flat, LEAST_PART), wide = fmax(st->wide, LEAST_PART);
+    double sum = flat + wide + fmax(1 - st->flat - st->wide, LEAST_PART);
+    st->flat = flat / sum;
+    st->wide = wide / sum;
 }
 
 /* One round; the guess counts as PRIOR pairs. Returns the largest change. log_likelihood is that of before. */
 static double improve(const double *x, const double *s, size_t count, const struct pair_statistics *guess,
                       struct pair_statistics *st)
 {
-    double touching = PRIOR_TOUCHING, resting = guess->resting > 0 ? PRIOR_RESTING : 0, apart = PRIOR_APART, flat = touching * guess->flat;
-    double square = (flat + 2 * (touching - flat)) * guess->scale * guess->scale;
+    double touching = PRIOR_TOUCHING, resting = guess->resting > 0 ? PRIOR_RESTING : 0, apart = PRIOR_APART;
+    double flat = touching * guess->flat, wide = touching * guess->wide;
+    double square = (2 * touching - flat - wide) * pow(guess->scale / st->scale, 2);
     st->log_likelihood = 0;
     for (size_t k = 0; k < count; k++) {
         if (!(x[k] >= -st->window))
@@ -129,7 +139,8 @@ static double improve(const double *x, const double *s, size_t count, const stru
         resting += pair.odds.resting;
         apart += pair.odds.apart;
         flat += pair.odds.touching * pair.flat;
-        square += pair.odds.touching * (pair.flat * pair.half_square + (1 - pair.flat) * pair.hump_square);
+        wide += pair.odds.touching * pair.wide;
+        square += pair.odds.touching * pair.square;
         st->log_likelihood += pair.odds.log_density;
     }
     struct pair_statistics old = *st;
@@ -138,19 +149,22 @@ static double improve(const double *x, const double *s, size_t count, const stru
     st->resting = resting / sum;
     st->apart = apart / sum;
     st->flat = flat / touching;
-    st->scale = sqrt(square / (flat + 2 * (touching - flat))); /* the mean of t^2 is a^2, and 2 a^2 for Rayleigh */
+    st->wide = wide / touching;
+    st->scale *= sqrt(square / (2 * touching - flat - wide)); /* the mean of t^2 is a^2, and 2 a^2 for Rayleigh */
     keep_inside(st);
     double shares = fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting));
-    return fmax(shares, fmax(fabs(log(st->scale / old.scale)), fabs(st->flat - old.flat)));
+    return fmax(shares,
+                fmax(fabs(log(st->scale / old.scale)), fmax(fabs(st->flat - old.flat), fabs(st->wide - old.wide))));
 }
 
-/* The numbers as free ones: log ratios of the shares, log of the scale, logit of flat. */
+/* The numbers as free ones: log ratios of the shares, log of the scale, log ratios of the laws. */
 static void to_free(const struct pair_statistics *st, double free[FREE])
 {
     free[0] = log(st->touching / st->apart);
     free[1] = log(fmax(st->resting, DBL_MIN) / st->apart);
     free[2] = log(st->scale);
-    free[3] = log(st->flat / (1 - st->flat));
+    free[3] = log(st->flat / (1 - st->flat - st->wide));
+    free[4] = log(st->wide / (1 - st->flat - st->wide));
 }
 
 static void from_free(const double free[FREE], struct pair_statistics *st)
@@ -160,7 +174,9 @@ static void from_free(const double free[FREE], struct pair_statistics *st)
     st->resting = resting / sum;
     st->apart = 1 / sum;
     st->scale = exp(free[2]);
-    st->flat = 1 / (1 + exp(-free[3]));
+    double flat = exp(free[3]), wide = exp(free[4]);
+    st->flat = flat / (1 + flat + wide);
+    st->wide = wide / (1 + flat + wide);
     keep_inside(st);
 }
 
@@ -224,6 +240,7 @@ void pair_statistics_shares(const double *x, const double *s, size_t count, cons
         improve(x, s, count, &guess, st);
         st->scale = like->scale;
         st->flat = like->flat;
+        st->wide = like->wide;
         if (fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting)) < CONVERGED)
             break;
     }

@@ -1,6 +1,5 @@
 #include "contacts/radius_offset.h"
 
-
 #include <stdlib.h>
 
 #include "pipeline/error.h"

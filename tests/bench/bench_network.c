@@ -248,12 +248,13 @@ static int score(const struct view *view, const struct packing *found, double sc
     double error = summary->radius_offset_px - (view->offset - injected);
     if (!summary->undecided && injected == 0)
         spread_add(&all.offset, error, summary->s_radius_offset_px);
-    printf("%-14.14s %d %+5.1f %7.3f %7.4f %6.4f | %6.4f %6.4f %6.4f  %6.4f %6.4f | %6.4f | %6.4f %6.4f %6.4f  %6.4f %4zu "
-           "%3.0f %6.3f %6.3f %s\n",
-           folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, precision(one.all),
-           recall(one.all), f1(one.all), f1(one.best), recall(one.best), f1(one.bearing), precision(one.carrying),
-           recall(one.carrying), f1(one.carrying), f1(one.best_carrying), summary->rattlers, view->lost,
-           summary->mean_overlap_px, summary->s_overlap_px, summary->undecided ? summary->undecided : "");
+    printf(
+        "%-14.14s %d %+5.1f %7.3f %7.4f %6.4f | %6.4f %6.4f %6.4f  %6.4f %6.4f | %6.4f | %6.4f %6.4f %6.4f  %6.4f %4zu "
+        "%3.0f %6.3f %6.3f %s\n",
+        folder, index, injected, view->offset - injected, error, summary->s_radius_offset_px, precision(one.all),
+        recall(one.all), f1(one.all), f1(one.best), recall(one.best), f1(one.bearing), precision(one.carrying),
+        recall(one.carrying), f1(one.carrying), f1(one.best_carrying), summary->rattlers, view->lost,
+        summary->mean_overlap_px, summary->s_overlap_px, summary->undecided ? summary->undecided : "");
     return 0;
 }
 
@@ -386,9 +387,9 @@ int main(int argc, char **argv)
     if (argc == 4 && !strcmp(argv[1], "--box")) {
         status = print_box(argv[2], atof(argv[3]));
     } else {
-        printf(
-            "folder      photo   off  needed   error stated | P      R      F1     best   its R  | F1 without rattlers | "
-            "carrying: P, R, F1, best     rattlers lost overlap s_x\n");
+        printf("folder      photo   off  needed   error stated | P      R      F1     best   its R  | F1 without "
+               "rattlers | "
+               "carrying: P, R, F1, best     rattlers lost overlap s_x\n");
         for (int a = 1; a < argc && status == 0; a++) {
             if (!strcmp(argv[a], "--as-is"))
                 injections = 1;

@@ -40,7 +40,7 @@ static struct wall_line bottom_line(double s_offset_px)
 }
 
 static const struct pair_statistics usual = {
-    .touching = 0.9, .resting = 1e-6, .apart = 0.1, .scale = 0.1 * PX, .flat = 0.98, .window = 0.5 * PX};
+    .touching = 0.9, .resting = 1e-6, .apart = 0.1, .scale = 0.1 * PX, .flat = 0.96, .wide = 0.02, .window = 0.5 * PX};
 
 /* Found offset and tilt against the truth, in units of their stated errors, over many draws. */
 static void test_line_from_grains(void **state)
