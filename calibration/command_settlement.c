@@ -48,7 +48,7 @@ static const char documentation[] =
 
 static const struct argp_option option_list[] = {
     {"ahead", KEY_AHEAD, "H", 0, "Cycles to extrapolate (default 40)", 0},
-    {"trend", KEY_TREND, "KIND", 0, "linear, or logarithmic: a ln t + b t (default)", 0},
+    {"trend", KEY_TREND, "KIND", 0, "linear, logarithmic: a ln t + b t, or log: a ln t (default)", 0},
     {"picture", KEY_PICTURE, "P.svg", 0, "Settlement over the cycles as a picture", 0},
     {"per-cycle", KEY_PER_CYCLE, "N", 0, "Files per cycle (default 1)", 1},
     {"first", KEY_FIRST, "T", 0, "Number of the cycle at whose end the first file stands, from 1 (default 1)", 1},
@@ -66,7 +66,7 @@ static error_t parse_number(int key, char *argument, struct argp_state *state)
     struct options *o = state->input;
     switch (key) {
     case KEY_INITIAL:
-        o->loop.initial = (size_t)cli_number(state, "--initial", argument, 0, 1e6);
+        o->loop.initial = (size_t)cli_number(state, "--initial", argument, 1, 1e6);
         return 0;
     case KEY_TRAIN:
         o->loop.train = (size_t)cli_number(state, "--train", argument, 2, 1e6);

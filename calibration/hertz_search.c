@@ -54,6 +54,15 @@ static struct hertz_trial trial_at(const struct hertz_goal *goal, double e, doub
     return (struct hertz_trial){.grain_young = goal->grain_young * e, .grain_poisson = poisson};
 }
 
+/* Adam's steps are as long as its rate whatever the misfit: without a given one, E* goes a share of the way that the
+ * power law of Hertz's contacts leaves from here. */
+static double adam_rate(const struct hertz_goal *goal, int freedom, double at, double young)
+{
+    if (goal->rate > 0)
+        return goal->rate;
+    return freedom ? HERTZ_RATE_POISSON : HERTZ_SHARE * fabs(at * (pow(goal->young / young, 1.5) - 1));
+}
+
 static int adam_iteration(struct search *search, struct adam *adam, int t)
 {
     const double b1 = 0.9, b2 = 0.999, tiny = 1e-8;
@@ -72,7 +81,7 @@ static int adam_iteration(struct search *search, struct adam *adam, int t)
         adam->m[f] = b1 * adam->m[f] + (1 - b1) * slope;
         adam->g[f] = b2 * adam->g[f] + (1 - b2) * slope * slope;
         double m = adam->m[f] / (1 - pow(b1, t)), g = adam->g[f] / (1 - pow(b2, t));
-        adam->step[f] = -goal->rate * m / (sqrt(g) + tiny);
+        adam->step[f] = -adam_rate(goal, f, adam->at[f], trials[0].young) * m / (sqrt(g) + tiny);
         adam->at[f] += adam->step[f];
     }
     adam->at[1] = fmin(fmax(adam->at[1], 0), HERTZ_MOST_POISSON / goal->grain_poisson);

@@ -23,13 +23,15 @@ struct hertz_goal {
     int fit_poisson;                   /* 0: only E, at the start's nu* */
     double grain_young, grain_poisson; /* where to start */
     enum hertz_method method;
-    double rate;       /* Adam: learning rate, of the normalised parameters */
+    double rate;       /* Adam: learning rate, of the normalised parameters; 0: each step as HERTZ_SHARE says */
     double first_step; /* Adam: eta, the first finite difference */
     int vary_poisson;  /* Adam: nu* is varied also where only E counts (the paper's cases 1 and 3) */
     double cost;       /* stop below this */
     int most_probes;
 };
-#define HERTZ_RATE 0.1
+#define HERTZ_RATE 0    /* E* by the way that is left, nu* by HERTZ_RATE_POISSON */
+#define HERTZ_SHARE 0.8 /* of the way that E ~ E*^(2/3) asks for */
+#define HERTZ_RATE_POISSON 0.1
 #define HERTZ_FIRST_STEP 0.03
 #define HERTZ_COST 1e-4
 #define HERTZ_MOST_PROBES 60

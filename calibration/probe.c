@@ -109,7 +109,7 @@ void probe_fabric(const struct probe_packing *packing, struct probe_fabric *fabr
         qsort(radius, dem->count, sizeof *radius, by_radius);
     fabric->porosity = 1 - area / box;
     fabric->z = (2 * (double)between + (double)wall) / (double)dem->count;
-    fabric->volume_per_contact = box / (double)(between + wall);
+    fabric->volume_per_contact = box / ((double)between + 0.5 * (double)wall); /* a wall's branch is half as long */
     fabric->d50 = radius ? radius[(dem->count - 1) / 2] + radius[dem->count / 2] : NAN;
     free(radius);
 }

@@ -21,12 +21,19 @@ struct settle_options {
         .initial = 10, .train = 20, .ahead = 40, .cycles = 250, .trend = TREND_LOGARITHMIC, .carry = 1, .excess = 3    \
     }
 
+/* One jump: the settlement that the trend of the height promises, and the one at which the packing came to rest. */
+struct settle_jump {
+    size_t cycle;                     /* to which it led */
+    double before, promised, arrived; /* m */
+};
+
 struct settle_result {
     double *settlement; /* m, cycles + 1: height lost since cycle 0 at the end of each cycle; NaN: jumped over */
     double *z;          /* likewise: 2 N_c / N_p of the contacts between grains */
     size_t cycles, simulated, jumps, parted;
-    double height;       /* m: in state 0 */
-    double *start, *end; /* positions x0 y0 x1 y1 ... at cycle 0 and at the end */
+    struct settle_jump *jump; /* jumps */
+    double height;            /* m: in state 0 */
+    double *start, *end;      /* positions x0 y0 x1 y1 ... at cycle 0 and at the end */
     size_t grains;
     long steps;           /* time and relaxation steps: cost */
     size_t unrested;      /* states that did not come to rest */

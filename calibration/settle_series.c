@@ -125,7 +125,7 @@ static double reversible(const struct settle_series *series, const struct settle
 }
 
 static int fit_grain(const struct settle_series *series, const struct settle_wanted *wanted, size_t cycles,
-                     size_t grain, double *u, struct grain_settlement *out)
+                     size_t grain, const double *t, double *u, struct grain_settlement *out)
 {
     out->used = 1;
     for (int d = 0; d < 2; d++) {
@@ -134,16 +134,17 @@ static int fit_grain(const struct settle_series *series, const struct settle_wan
             out->used &= isfinite(u[c]);
         }
         out->residual[d] = u[cycles] - u[0];
-        if (trend_fit(wanted->trend, wanted->first, u, cycles, &out->trend[d]))
+        if (trend_fit(wanted->trend, t, u, cycles, &out->trend[d]))
             return -1;
-        out->ahead[d] = out->residual[d] + trend_ahead(&out->trend[d], cycles, wanted->ahead);
+        out->ahead[d] = out->residual[d] + trend_ahead(&out->trend[d], wanted->ahead);
     }
     out->reversible = reversible(series, wanted, cycles, grain);
     return 0;
 }
 
 /* What the error would have been: learn without the last h cycles, predict them. */
-static double hold_out(const struct settle_series *series, const struct settle_wanted *wanted, size_t cycles, double *u)
+static double hold_out(const struct settle_series *series, const struct settle_wanted *wanted, size_t cycles,
+                       const double *t, double *u)
 {
     size_t h = (size_t)wanted->ahead;
     double difference = 0, whole = 0;
@@ -155,9 +156,9 @@ static double hold_out(const struct settle_series *series, const struct settle_w
         for (size_t c = 0; c <= k; c++)
             u[c] = at(series, c * wanted->per_cycle, v);
         double truth = at(series, cycles * wanted->per_cycle, v);
-        if (trend_fit(wanted->trend, wanted->first, u, k, &trend))
+        if (trend_fit(wanted->trend, t, u, k, &trend))
             return NAN;
-        double rest = truth - u[k] - trend_ahead(&trend, k, (double)h);
+        double rest = truth - u[k] - trend_ahead(&trend, (double)h);
         if (isfinite(rest)) {
             difference += rest * rest;
             whole += (truth - u[0]) * (truth - u[0]);
@@ -202,17 +203,19 @@ int settle_estimate(const struct settle_series *series, const struct settle_want
     estimate->cycles = (series->states - 1) / wanted->per_cycle;
     estimate->chernoff[0] = estimate->chernoff[1] = NAN;
     estimate->grain = calloc(series->grains + 1, sizeof *estimate->grain);
-    double *u = malloc((estimate->cycles + 1) * sizeof *u);
-    int status = estimate->grain && u ? 0 : error_memory("settlement");
+    double *t = malloc(2 * (estimate->cycles + 1) * sizeof *t), *u = t + estimate->cycles + 1;
+    int status = estimate->grain && t ? 0 : error_memory("settlement");
+    for (size_t c = 0; c <= estimate->cycles && !status; c++)
+        t[c] = wanted->first + (double)c;
     for (size_t k = 0; k < series->grains && !status; k++) {
-        status = fit_grain(series, wanted, estimate->cycles, k, u, &estimate->grain[k]);
+        status = fit_grain(series, wanted, estimate->cycles, k, t, u, &estimate->grain[k]);
         estimate->unused += !estimate->grain[k].used;
     }
     if (!status)
-        estimate->held_out = hold_out(series, wanted, estimate->cycles, u);
+        estimate->held_out = hold_out(series, wanted, estimate->cycles, t, u);
     if (!status && !isnan(wanted->error))
         status = bound(wanted, estimate);
-    free(u);
+    free(t);
     if (status)
         settle_estimate_free(estimate);
     return status;

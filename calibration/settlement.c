@@ -6,55 +6,77 @@
 
 #include "pipeline/error.h"
 
-const char *const TREND_KINDS[] = {"linear", "logarithmic", NULL};
+const char *const TREND_KINDS[] = {"linear", "logarithmic", "log", NULL};
 
 /* Normal equations of a ln(t / t0) + b (t - t0) [20, 21]. */
-static void fit_logarithmic(double t0, const double *u, size_t k, struct trend *trend)
+static void fit_logarithmic(const double *t, const double *u, size_t k, struct trend *trend)
 {
-    double ll = 0, lt = 0, tt = 0, ul = 0, ut = 0;
+    double ll = 0, ls = 0, ss = 0, ul = 0, us = 0;
     for (size_t p = 1; p <= k; p++) {
-        double l = log((t0 + (double)p) / t0), t = (double)p, rise = u[p] - u[0];
-        ll += l * l, lt += l * t, tt += t * t;
-        ul += rise * l, ut += rise * t;
+        double l = log(t[p] / t[0]), since = t[p] - t[0], rise = u[p] - u[0];
+        ll += l * l, ls += l * since, ss += since * since;
+        ul += rise * l, us += rise * since;
     }
-    double determinant = ll * tt - lt * lt;
-    trend->a = (tt * ul - lt * ut) / determinant;
-    trend->b = (ll * ut - lt * ul) / determinant;
+    double determinant = ll * ss - ls * ls;
+    trend->a = (ss * ul - ls * us) / determinant;
+    trend->b = (ll * us - ls * ul) / determinant;
 }
 
-static double trend_since_start(const struct trend *trend, double p)
+/* Line over ln t with a free constant, all k + 1 ends alike; `offset` is what it leaves at the first. */
+static void fit_log(const double *t, const double *u, size_t k, struct trend *trend, double *offset)
 {
-    double rise = trend->b * p;
-    return trend->kind == TREND_LOGARITHMIC ? rise + trend->a * log((trend->t0 + p) / trend->t0) : rise;
+    double n = (double)k + 1, l = 0, v = 0, ll = 0, lv = 0;
+    for (size_t p = 0; p <= k; p++)
+        l += log(t[p] / t[0]) / n, v += (u[p] - u[0]) / n;
+    for (size_t p = 0; p <= k; p++) {
+        double away = log(t[p] / t[0]) - l;
+        ll += away * away, lv += away * (u[p] - u[0] - v);
+    }
+    trend->a = lv / ll;
+    *offset = v - trend->a * l;
 }
 
-int trend_fit(enum trend_kind kind, double t0, const double *u, size_t k, struct trend *trend)
+static double trend_since_start(const struct trend *trend, double t)
 {
-    size_t least = kind == TREND_LINEAR ? 1 : 2;
-    *trend = (struct trend){.kind = kind, .t0 = t0};
-    if (k < least)
-        return error_input("%zu training cycle%s: a %s trend needs %zu or more", k, k == 1 ? "" : "s",
-                           TREND_KINDS[kind], least);
-    if (!(t0 >= 1))
-        return error_input("the first training cycle is number %g: count from 1", t0);
-    if (kind == TREND_LINEAR)
-        trend->b = (u[k] - u[0]) / (double)k;
-    else
-        fit_logarithmic(t0, u, k, trend);
+    return trend->b * (t - trend->t0) + trend->a * log(t / trend->t0);
+}
+
+/* What the trend leaves over at the ends. */
+static void judge(const double *t, const double *u, size_t k, double offset, struct trend *trend)
+{
     double squares = 0;
     for (size_t p = 1; p <= k; p++) {
-        double rest = u[p] - u[0] - trend_since_start(trend, (double)p);
+        double rest = u[p] - u[0] - offset - trend_since_start(trend, t[p]);
         squares += rest * rest;
         trend->low = fmin(trend->low, rest);
         trend->high = fmax(trend->high, rest);
     }
     trend->rms = sqrt(squares / (double)k);
+}
+
+int trend_fit(enum trend_kind kind, const double *t, const double *u, size_t k, struct trend *trend)
+{
+    size_t least = kind == TREND_LOGARITHMIC ? 2 : 1;
+    double offset = 0;
+    if (k < least)
+        return error_input("%zu training cycle%s: a %s trend needs %zu or more", k, k == 1 ? "" : "s",
+                           TREND_KINDS[kind], least);
+    if (!(t[0] >= 1))
+        return error_input("the first training cycle is number %g: count from 1", t[0]);
+    *trend = (struct trend){.kind = kind, .t0 = t[0], .now = t[k]};
+    if (kind == TREND_LINEAR)
+        trend->b = (u[k] - u[0]) / (t[k] - t[0]);
+    else if (kind == TREND_LOGARITHMIC)
+        fit_logarithmic(t, u, k, trend);
+    else
+        fit_log(t, u, k, trend, &offset);
+    judge(t, u, k, offset, trend);
     return 0;
 }
 
-double trend_ahead(const struct trend *trend, size_t k, double h)
+double trend_ahead(const struct trend *trend, double h)
 {
-    return trend_since_start(trend, (double)k + h) - trend_since_start(trend, (double)k);
+    return trend->b * h + trend->a * log1p(h / trend->now);
 }
 
 int chernoff_cycles(double low, double high, double error, double p, double *cycles)
@@ -69,28 +91,40 @@ int chernoff_cycles(double low, double high, double error, double p, double *cyc
 void cycle_ends_free(struct cycle_ends *ends)
 {
     free(ends->at);
+    free(ends->cycle);
     memset(ends, 0, sizeof *ends);
 }
 
-int cycle_ends_add(struct cycle_ends *ends, const double *positions, size_t values)
+static int make_room(struct cycle_ends *ends, size_t values)
+{
+    if (ends->cycles < ends->capacity)
+        return 0;
+    size_t capacity = ends->capacity ? 2 * ends->capacity : 32;
+    double *at = realloc(ends->at, capacity * (values + 1) * sizeof *at);
+    if (at)
+        ends->at = at;
+    double *cycle = realloc(ends->cycle, capacity * sizeof *cycle);
+    if (cycle)
+        ends->cycle = cycle;
+    if (!at || !cycle)
+        return error_memory("ends of cycles");
+    ends->capacity = capacity;
+    return 0;
+}
+
+int cycle_ends_add(struct cycle_ends *ends, double cycle, const double *positions, size_t values)
 {
     if (ends->cycles && ends->values != values)
         return error_input("%zu grains after %zu: give states of one series", values / 2, ends->values / 2);
-    if (ends->cycles == ends->capacity) {
-        size_t capacity = ends->capacity ? 2 * ends->capacity : 32;
-        double *at = realloc(ends->at, capacity * (values + 1) * sizeof *at);
-        if (!at)
-            return error_memory("ends of cycles");
-        ends->at = at;
-        ends->capacity = capacity;
-    }
+    if (make_room(ends, values))
+        return -1;
     ends->values = values;
+    ends->cycle[ends->cycles] = cycle;
     memcpy(ends->at + ends->cycles++ * values, positions, values * sizeof *positions);
     return 0;
 }
 
-int cycle_ends_ahead(const struct cycle_ends *ends, enum trend_kind kind, double t0, double h, double *ahead,
-                     struct trend *trends)
+int cycle_ends_ahead(const struct cycle_ends *ends, enum trend_kind kind, double h, double *ahead, struct trend *trends)
 {
     size_t k = ends->cycles ? ends->cycles - 1 : 0;
     double *u = malloc((ends->cycles + 1) * sizeof *u);
@@ -99,9 +133,9 @@ int cycle_ends_ahead(const struct cycle_ends *ends, enum trend_kind kind, double
         struct trend trend;
         for (size_t p = 0; p <= k; p++)
             u[p] = ends->at[p * ends->values + v];
-        status = trend_fit(kind, t0, u, k, &trend);
+        status = trend_fit(kind, ends->cycle, u, k, &trend);
         if (!status)
-            ahead[v] = u[k] + trend_ahead(&trend, k, h);
+            ahead[v] = u[k] + trend_ahead(&trend, h);
         if (!status && trends)
             trends[v] = trend;
     }

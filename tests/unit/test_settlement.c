@@ -14,22 +14,32 @@
 static void trends_find_their_numbers(void **state)
 {
     (void)state;
-    double u[31];
+    double t[31], u[31];
     struct trend trend;
     for (int p = 0; p <= 30; p++)
-        u[p] = 4 + 2e-3 * log((12.0 + p) / 12) - 5e-5 * p;
-    check_done(trend_fit(TREND_LOGARITHMIC, 12, u, 30, &trend));
+        t[p] = 12 + p, u[p] = 4 + 2e-3 * log((12.0 + p) / 12) - 5e-5 * p;
+    check_done(trend_fit(TREND_LOGARITHMIC, t, u, 30, &trend));
     check_near(trend.a, 2e-3, 1e-12);
     check_near(trend.b, -5e-5, 1e-13);
-    check_near(trend_ahead(&trend, 30, 100), 2e-3 * log(142.0 / 42) - 5e-3, 1e-11);
+    check_near(trend_ahead(&trend, 100), 2e-3 * log(142.0 / 42) - 5e-3, 1e-11);
     check_at_most(trend.rms, 1e-14);
     for (int p = 0; p <= 30; p++)
         u[p] = 1 - 3e-4 * p;
-    check_done(trend_fit(TREND_LINEAR, 1, u, 30, &trend));
-    check_near(trend_ahead(&trend, 30, 50), -0.015, 1e-14);
+    check_done(trend_fit(TREND_LINEAR, t, u, 30, &trend));
+    check_near(trend_ahead(&trend, 50), -0.015, 1e-14);
 
-    assert_int_equal(trend_fit(TREND_LOGARITHMIC, 1, u, 1, &trend), -1);
-    assert_int_equal(trend_fit(TREND_LINEAR, 0, u, 5, &trend), -1);
+    for (int p = 0; p <= 30; p++) {
+        t[p] += p > 15 ? 40 : 0; /* a gap, as a jump leaves */
+        u[p] = 7 - 4e-4 * log(t[p]);
+    }
+    check_done(trend_fit(TREND_LOG, t, u, 30, &trend));
+    check_near(trend.a, -4e-4, 1e-14);
+    check_near(trend_ahead(&trend, 200), -4e-4 * log(282.0 / 82), 1e-13);
+    check_at_most(trend.rms, 1e-14);
+
+    assert_int_equal(trend_fit(TREND_LOGARITHMIC, t, u, 1, &trend), -1);
+    t[0] = 0;
+    assert_int_equal(trend_fit(TREND_LINEAR, t, u, 5, &trend), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
 }
 
