@@ -5,6 +5,7 @@
 
 #include "calibration/hertz.h"
 #include "pipeline/cli.h"
+#include "pipeline/progress.h"
 
 const char *const HERTZ_METHODS[] = {"newton", "adam", NULL};
 
@@ -13,6 +14,7 @@ struct search {
     hertz_evaluate *evaluate;
     void *user;
     struct hertz_found *found;
+    struct progress progress;
 };
 
 double hertz_cost(const struct hertz_goal *goal, const struct hertz_trial *trial)
@@ -30,6 +32,7 @@ static int ask(struct search *search, struct hertz_trial *trials, size_t count)
     for (size_t k = 0; k < count; k++) {
         double cost = hertz_cost(search->goal, &trials[k]);
         found->probes++;
+        progress_step(&search->progress);
         found->poisson_low = fmin(found->poisson_low, trials[k].poisson);
         found->poisson_high = fmax(found->poisson_high, trials[k].poisson);
         if (cost < found->cost) {
@@ -187,9 +190,12 @@ static int search_newton(struct search *search)
 
 int hertz_search(const struct hertz_goal *goal, hertz_evaluate *evaluate, void *user, struct hertz_found *found)
 {
-    struct search search = {goal, evaluate, user, found};
+    struct search search = {.goal = goal, .evaluate = evaluate, .user = user, .found = found};
     memset(found, 0, sizeof *found);
     found->cost = found->poisson_low = INFINITY;
     found->poisson_high = -INFINITY;
-    return goal->method == HERTZ_ADAM ? search_adam(&search) : search_newton(&search);
+    progress_begin(&search.progress, "probes (at most)", (size_t)goal->most_probes);
+    int status = goal->method == HERTZ_ADAM ? search_adam(&search) : search_newton(&search);
+    progress_end(&search.progress);
+    return status;
 }

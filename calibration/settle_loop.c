@@ -6,6 +6,7 @@
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
+#include "pipeline/progress.h"
 #include "simulation/loading.h"
 #include "simulation/placement.h"
 
@@ -17,6 +18,7 @@ struct run {
     double *now; /* positions, then width and height */
     size_t values;
     size_t cycle;
+    struct progress progress; /* of all cycles, jumped over or not */
 };
 
 void settle_result_free(struct settle_result *result)
@@ -76,6 +78,7 @@ static int simulate_cycles(struct run *run, size_t count, struct cycle_ends *end
         run->result->unrested += !rested;
         run->result->simulated++;
         run->cycle++;
+        progress_step(&run->progress);
         note(run);
         look(run);
         if (ends && cycle_ends_add(ends, (double)run->cycle, run->now, run->values))
@@ -212,6 +215,8 @@ static int jump(struct run *run, const struct cycle_ends *ends)
         return -1;
     run->cycle += h;
     run->loading.turns += (double)h;
+    for (size_t c = 0; c < h; c++)
+        progress_step(&run->progress);
     note(run);
     return jump_note(run, settled, settles);
 }
@@ -284,7 +289,9 @@ int settle_run(const struct simulation *simulation, const struct settle_options 
     if (!status) {
         look(&run);
         memcpy(result->start, run.now, run.values * sizeof *run.now);
+        progress_begin(&run.progress, options->ahead ? "cycles, some jumped over" : "cycles", options->cycles);
         status = run_all(&run);
+        progress_end(&run.progress);
     }
     if (!status) {
         look(&run);
