@@ -78,7 +78,8 @@ static int keep_every_cycle(struct loading *loading, size_t cycles, struct cycle
     return status;
 }
 
-/* One row: errors of the displacements since cycle 0, and since the first training cycle, for each trend. */
+/* One row: errors of the positions, of the displacements since cycle 0, and since the training began, for each trend.
+ */
 static int judge_trends(const struct cycle_ends *all, size_t from, size_t k, size_t h, double *guess)
 {
     size_t values = all->values;
@@ -88,7 +89,8 @@ static int judge_trends(const struct cycle_ends *all, size_t from, size_t k, siz
         struct cycle_ends part = {values, k + 1, all->at + from * values, all->cycle + from, 0};
         if (cycle_ends_ahead(&part, (enum trend_kind)kind, (double)h, guess, NULL))
             return -1;
-        printf(" %.2f %%, %.1f %% |", 100 * relative_error(truth, guess, all->at, values),
+        printf(" %.2f %%, %.1f %%, %.0f %% |", 100 * relative_error(truth, guess, NULL, values),
+               100 * relative_error(truth, guess, all->at, values),
                100 * relative_error(truth, guess, all->at + from * values, values));
     }
     printf("\n");
@@ -104,7 +106,8 @@ static int ahead(long grains)
     struct cycle_ends all = {0};
     double *guess = malloc(2 * (size_t)grains * sizeof *guess);
     int status = guess ? keep_every_cycle(&loading, 160, &all) : -1;
-    printf("| k_i | k | h | linear: since cycle 0, since the training began | logarithmic | log |\n"
+    printf("| k_i | k | h | linear: positions, displacements since cycle 0, since the training began | logarithmic | "
+           "log |\n"
            "| --- | --- | --- | --- | --- | --- |\n");
     for (size_t i = 0; i < 3; i++)
         for (size_t t = 0; t < 3; t++)
