@@ -8,8 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { BINS = 64, PER_BIN = 4, MOST = BINS * PER_BIN, LEAST_TOUCHING = 6 };
+enum { BINS = 64, PER_BIN = 4, MOST = BINS * PER_BIN, LEAST_TOUCHING = 6, PARTS = 5, ROUNDS = 6 };
 #define TOUCH 1.5        /* px between a grain and the line that it touches, while searching */
+#define LEAST_REACH 0.3  /* px: a gap that small is not told from touching, */
+#define INSIDE 2         /* nor are gaps of so many standard deviations of those that touch */
 #define MOST_TILT 0.07   /* of a side against the photo's */
 #define BEHIND 3         /* a grain behind the line counts against as many that touch it */
 #define FAR_APART 0.3    /* of the specimen's width: the two grains that make a line */
@@ -24,8 +26,9 @@ struct extremes {
 };
 
 struct side {
-    double offset, slope;           /* e = offset + slope t */
-    double s_offset, s_slope, mean; /* of t: there offset and slope err independently */
+    double offset, slope;                 /* e = offset + slope t */
+    double s_offset, s_slope, mean;       /* of t: there offset and slope err independently */
+    double offsets[PARTS], slopes[PARTS]; /* the same without one part of the side's grains */
     int touching;
 };
 
@@ -117,43 +120,88 @@ static int search_line(const struct extremes *extremes, double width, struct sid
     return best >= LEAST_TOUCHING;
 }
 
-/* Least squares over the grains within `reach` of the side as it was; narrows the reach to three robust deviations. */
+/* Those grains that touch, in the order of t. */
+struct touching {
+    double t[MOST], e[MOST];
+    int count;
+};
+
+/* Least squares over the touching grains but those from `first` up to `end`. */
+static void fit_without(const struct touching *touching, int first, int end, double *offset, double *slope,
+                        double *mean)
+{
+    double st = 0, se = 0, stt = 0, ste = 0, n = 0;
+    for (int k = 0; k < touching->count; k++)
+        if (k < first || k >= end) {
+            st += touching->t[k];
+            se += touching->e[k];
+            n += 1;
+        }
+    *mean = st / n;
+    for (int k = 0; k < touching->count; k++)
+        if (k < first || k >= end) {
+            stt += (touching->t[k] - *mean) * (touching->t[k] - *mean);
+            ste += (touching->t[k] - *mean) * (touching->e[k] - se / n);
+        }
+    *slope = ste / stt;
+    *offset = se / n - *slope * *mean;
+}
+
+static void set_errors(const struct touching *touching, struct side *side)
+{
+    double rest = 0, stt = 0, mean;
+    int n = touching->count;
+    for (int k = 0; k < n; k++) {
+        double off = touching->e[k] - side->offset - side->slope * touching->t[k];
+        rest += off * off;
+        stt += (touching->t[k] - side->mean) * (touching->t[k] - side->mean);
+    }
+    side->s_offset = sqrt(rest / (n - 2) / n);
+    side->s_slope = sqrt(rest / (n - 2) / stt);
+    for (int part = 0; part < PARTS; part++)
+        fit_without(touching, part * n / PARTS, (part + 1) * n / PARTS, &side->offsets[part], &side->slopes[part],
+                    &mean);
+}
+
 static int fit_once(const struct extremes *extremes, double width, double *reach, struct side *side)
 {
-    double t[MOST], e[MOST], off[MOST], st = 0, se = 0, stt = 0, ste = 0, rest = 0, low = INFINITY, high = -INFINITY;
+    struct touching touching = {.count = 0};
+    double out[MOST];
     int n = 0;
     for (int k = 0; k < extremes->count; k++) {
-        if (fabs(extremes->e[k] - side->offset - side->slope * extremes->t[k]) >= *reach)
+        double off = extremes->e[k] - side->offset - side->slope * extremes->t[k];
+        if (off <= -*reach || off >= TOUCH)
             continue;
-        st += t[n] = extremes->t[k];
-        se += e[n] = extremes->e[k];
-        low = fmin(low, t[n]);
-        high = fmax(high, t[n++]);
+        int at = touching.count++;
+        for (; at > 0 && touching.t[at - 1] > extremes->t[k]; at--) {
+            touching.t[at] = touching.t[at - 1];
+            touching.e[at] = touching.e[at - 1];
+        }
+        touching.t[at] = extremes->t[k];
+        touching.e[at] = extremes->e[k];
     }
-    if (n < LEAST_TOUCHING || high - low < SPREAD_OVER * width)
+    if (touching.count < LEAST_TOUCHING || touching.t[touching.count - 1] - touching.t[0] < SPREAD_OVER * width)
         return 0;
-    struct side next = {.mean = st / n, .touching = n};
-    for (int k = 0; k < n; k++) {
-        stt += (t[k] - next.mean) * (t[k] - next.mean);
-        ste += (t[k] - next.mean) * (e[k] - se / n);
+    struct side next = {.touching = touching.count};
+    fit_without(&touching, 0, 0, &next.offset, &next.slope, &next.mean);
+    for (int k = 0; k < touching.count; k++) {
+        double off = touching.e[k] - next.offset - next.slope * touching.t[k];
+        if (off > 0)
+            out[n++] = off;
     }
-    next.slope = ste / stt;
-    next.offset = se / n - next.slope * next.mean;
-    for (int k = 0; k < n; k++) {
-        off[k] = fabs(e[k] - next.offset - next.slope * t[k]);
-        rest += off[k] * off[k];
-    }
-    next.s_offset = sqrt(rest / (n - 2) / n);
-    next.s_slope = sqrt(rest / (n - 2) / stt);
-    *reach = fmin(*reach, fmax(0.3, 3 * 1.4826 * median_of(off, (size_t)n)));
+    set_errors(&touching, &next);
+    *reach = fmin(*reach, fmax(LEAST_REACH, INSIDE * 1.4826 * median_of(out, (size_t)n)));
     *side = next;
     return 1;
 }
 
+/* Least squares over the grains that touch, in turn with who does. Grains with a small gap behind the side are many,
+ * beyond it there are none: the scatter of those that touch is what lies outside the line, and only little more is
+ * allowed inside. */
 static int fit_line(const struct extremes *extremes, double width, struct side *side)
 {
     double reach = TOUCH;
-    for (int round = 0; round < 3; round++)
+    for (int round = 0; round < ROUNDS; round++)
         if (!fit_once(extremes, width, &reach, side))
             return 0;
     return 1;
@@ -167,10 +215,18 @@ static void line_of(const struct side *side, int which, struct vec *point, struc
     *along = vec_add(t, vec_scale(side->slope, out));
 }
 
-/* Standard error of a side at t, across it. */
+/* Standard error of a side at t, across it: of least squares, or, where a side is bent or grains with a small gap tilt
+ * it, of what it would be without one part of its grains (jackknife: Efron, Ann. Statist. 7 (1979) 1). */
 static double error_at(const struct side *side, double t)
 {
-    return hypot(side->s_offset, side->s_slope * (t - side->mean));
+    double mean = 0, sum = 0;
+    for (int k = 0; k < PARTS; k++)
+        mean += (side->offsets[k] + side->slopes[k] * t) / PARTS;
+    for (int k = 0; k < PARTS; k++) {
+        double off = side->offsets[k] + side->slopes[k] * t - mean;
+        sum += off * off;
+    }
+    return fmax(hypot(side->s_offset, side->s_slope * (t - side->mean)), sqrt(sum * (PARTS - 1) / PARTS));
 }
 
 /* Corner k joins side k - 1 (left, top, right, bottom) and side k. One of them is upright: it gives the x. */
