@@ -197,6 +197,41 @@ static void eight_bits(void **state)
     photo_free(&photo);
 }
 
+/* Two rods of almost equal grey whose faces meet along a long arc: the second one's face covers a cap of the first one,
+ * whose rim is not there. Their other rims must not give way. */
+static void long_arc(void **state)
+{
+    static const double depths[] = {1, 3, 6}, specks[] = {0, 0.2};
+    enum { REPEATS = 6 };
+    (void)state;
+    for (int s = 0; s < 2; s++)
+        for (int d = 0; d < 3; d++) {
+            struct hard hard = usual;
+            struct disc discs[2 * REPEATS] = {{0}};
+            struct photo photo;
+            for (int k = 0; k < REPEATS; k++) {
+                double angle = 0.3 + 2 * M_PI * k / REPEATS, x = 125 + 240 * (k % 3), y = 120 + 240.0 * (k / 3);
+                discs[2 * k] = (struct disc){x + 0.13 * k, y, 40, 0, 0, 30000};
+                double apart = 40 + 36 - depths[d];
+                discs[2 * k + 1] =
+                    (struct disc){x + 0.13 * k + apart * cos(angle), y + apart * sin(angle), 36, 0, 0, 30600};
+            }
+            hard.low = 36;
+            hard.high = 40;
+            hard.scenery.dots = specks[s];
+            hard.scenery.rings = 0;
+            check_done(discs_draw(730, 490, discs, 2 * REPEATS, &hard.scenery, &photo));
+            printf("  caps %.0f px deep on a chord of %.0f px, %.0f %% specks:\n", depths[d],
+                   2 * sqrt(2 * 40 * 36 / (40.0 + 36) * depths[d]), 100 * specks[s]);
+            struct outcome outcome = find(&hard, &photo, discs, 2 * REPEATS);
+            assert_int_equal(outcome.matched, 2 * REPEATS);
+            assert_int_equal(outcome.extra, 0);
+            check_at_most(outcome.centre, specks[s] > 0 ? 0.05 : 0.008);
+            check_at_most(outcome.radius, specks[s] > 0 ? 0.045 : 0.007);
+            photo_free(&photo);
+        }
+}
+
 /* A dark bevel at the rim is a constant radius bias: the shift must show up alike on all grains. */
 static void bevel_is_a_constant_bias(void **state)
 {
@@ -262,12 +297,19 @@ static void corrections_and_known_grains(void **state)
     hard.scenery.seed += 100;
     check_done(discs_draw(WIDTH, HEIGHT, discs, count, &hard.scenery, &later));
     all.x_px[7] = NAN; /* lost in the later photo */
+    /* Its walls have moved: a frame that cuts the grains on the left says nothing about this photo. */
+    options.has_frame = 1;
+    options.corners_px[0] = vec(150, 0);
+    options.corners_px[1] = vec(WIDTH - 1, 0);
+    options.corners_px[2] = vec(WIDTH - 1, HEIGHT - 1);
+    options.corners_px[3] = vec(150, HEIGHT - 1);
     check_done(find_known_grains(&later, &options, &all, &again, NULL));
     assert_int_equal(again.count, count);
     for (size_t k = 0; k < count; k++)
         if (k != 7) {
             check_near(again.x_px[k], all.x_px[k] + 0.37, 0.3);
             check_near(again.y_px[k], all.y_px[k], 0.3);
+            assert_false(again.flags[k] & GRAIN_CUT);
         }
     assert_true(again.flags[7] & GRAIN_LOST);
     table_free(&PHOTO_GRAINS, &fewer);
@@ -289,6 +331,7 @@ int main(void)
         cmocka_unit_test(saturation),
         cmocka_unit_test(vignetting),
         cmocka_unit_test(eight_bits),
+        cmocka_unit_test(long_arc),
         cmocka_unit_test(bevel_is_a_constant_bias),
         cmocka_unit_test(corrections_and_known_grains),
     };
