@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define VOTE_RADIUS 7.0 /* level pixels of an octave's smallest radius while voting */
 #define FINEST 6.0      /* level pixels of the smallest radius when the photo has to be magnified */
 #define MARGIN 1.06     /* radii this much outside the range are looked for as well */
 #define SAME_PLACE 0.08 /* of R_i + R_j: peaks of the votes nearer than this lead to the same capture */
@@ -28,7 +27,7 @@ struct search {
     const struct photo *photo;
     const struct zone *zone;
     const struct grey_levels *levels;
-    double contrast;
+    double contrast, vote_radius;
     struct candidates *found, sure;
     size_t looked_at;
 };
@@ -42,9 +41,9 @@ struct octave {
     struct cover cover;        /* of the coarse level */
 };
 
-static double fine_scale(double low)
+static double fine_scale(const struct search *search, double low)
 {
-    return fmax(low / (2 * VOTE_RADIUS), fmin(1, low / FINEST));
+    return fmax(low / (2 * search->vote_radius), fmin(1, low / FINEST));
 }
 
 static int make_levels(const struct search *search, struct octave *octave)
@@ -55,9 +54,9 @@ static int make_levels(const struct search *search, struct octave *octave)
     window.y0 = (int)fmax(window.y0, octave->y0 - margin);
     window.x1 = (int)fmin(window.x1, octave->x1 + margin);
     window.y1 = (int)fmin(window.y1, octave->y1 + margin);
-    if (level_make(search->photo, &window, fine_scale(octave->low), search->levels->void_level, &octave->fine))
+    if (level_make(search->photo, &window, fine_scale(search, octave->low), search->levels->void_level, &octave->fine))
         return -1;
-    octave->factor = octave->low / octave->fine.scale >= 1.9 * VOTE_RADIUS ? 2 : 1;
+    octave->factor = octave->low / octave->fine.scale >= 1.9 * search->vote_radius ? 2 : 1;
     return level_shrink(&octave->fine, octave->factor, &octave->coarse) ||
                    cover_make(&octave->coarse, &search->sure, &octave->cover)
                ? -1
@@ -180,7 +179,7 @@ static int search_window(struct search *search, struct octave *octave)
 static int search_octave(struct search *search, double low, double high)
 {
     const struct zone *zone = search->zone;
-    int side = (int)fmax(8 * high, sqrt(TILE_PIXELS) * fine_scale(low));
+    int side = (int)fmax(8 * high, sqrt(TILE_PIXELS) * fine_scale(search, low));
     int columns = (zone->x1 - zone->x0 + side - 1) / side, rows = (zone->y1 - zone->y0 + side - 1) / side;
     int width = (zone->x1 - zone->x0 + columns - 1) / columns, height = (zone->y1 - zone->y0 + rows - 1) / rows;
     for (int j = 0; j < rows; j++)
@@ -258,10 +257,10 @@ static int search_all(struct search *search, double range[2])
     return 0;
 }
 
-int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels, double range[2],
-                  struct candidates *found, size_t *peaks)
+int detect_grains_at(double vote_radius, const struct photo *photo, const struct zone *zone,
+                     const struct grey_levels *levels, double range[2], struct candidates *found, size_t *peaks)
 {
-    struct search search = {.photo = photo, .zone = zone, .levels = levels, .found = found};
+    struct search search = {.photo = photo, .zone = zone, .levels = levels, .vote_radius = vote_radius, .found = found};
     search.contrast = levels->grain_level - levels->void_level;
     int known = range[0] > 0 && range[1] > 0;
     int status = known ? search_range(&search, range[0], range[1]) : search_all(&search, range);
@@ -271,4 +270,10 @@ int detect_grains(const struct photo *photo, const struct zone *zone, const stru
         return -1;
     polish_rims(photo, levels, found);
     return 0;
+}
+
+int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels, double range[2],
+                  struct candidates *found, size_t *peaks)
+{
+    return detect_grains_at(DETECT_VOTE_RADIUS, photo, zone, levels, range, found, peaks);
 }

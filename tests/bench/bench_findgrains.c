@@ -8,8 +8,8 @@
  * compressed by the virtual test and photographed by the virtual camera. Centre: RMS per coordinate. x: overlap of
  * true contacts along the branch, of the faces as drawn. Bound: Cramer-Rao for the visible rim (more than 1.2 blurs
  * from anything else) and white noise only, with known grey levels (k) and with levels of their own on both sides in
- * every place, to be learnt from a band of 5 blurs on either side (u). --curve: band, sectors and number of iterations
- * against time and error. --unknown: findgrains is not told the range of radii. */
+ * every place, to be learnt from a band of 5 blurs on either side (u). --curve: pixel of the votes, band, sectors and
+ * number of iterations against time and error. --unknown: findgrains is not told the range of radii. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -255,7 +255,7 @@ static double cpu_now(void)
 static void run_peer(struct bench *bench, const char *name, enum peer peer, int shrink, const struct photo *photo,
                      const struct photo_grains *truth, double per_length, double blur)
 {
-    static const char *const names[] = {"hough", "hough alt", "distance"};
+    static const char *const names[] = {"hough", "hough alt", "distance", "contours"};
     static const char *const columns[] = {"x_px", "y_px", "radius_px", NULL};
     enum { ROOM = 20000 };
     static double circles[ROOM][3];
@@ -322,11 +322,39 @@ static int run_setting(struct bench *bench, const char *label, const struct phot
     return status;
 }
 
-/* Band, sectors and iterations around what the photo chose itself. */
+/* Votes at coarser and finer pixels: all of findgrains after them is as usual; CPU of the detection alone. */
+static int run_votes(struct bench *bench, double vote_radius, const struct photo *photo, const struct zone *zone,
+                     const struct grey_levels *levels, const struct photo_grains *truth, double per_length, double blur)
+{
+    struct candidates found = {0};
+    struct rims rims = {0};
+    struct photo_grains grains = {0};
+    struct score score = {0};
+    struct rims_state state = rims_first_guess(levels);
+    size_t peaks;
+    char label[64];
+    double range[2] = {bench->low, bench->high}, begin = cpu_now();
+    if (detect_grains_at(vote_radius, photo, zone, levels, range, &found, &peaks))
+        return -1;
+    score.cpu = cpu_now() - begin;
+    int status = rims_make(&found, &rims) || measure_rims(photo, zone, FIND_SHAPE_AUTO, 0, &state, &rims) ||
+                 rims_table(zone, &state, &rims, 0, &grains);
+    if (!status) {
+        snprintf(label, sizeof label, "votes 1/%.1f R", vote_radius);
+        score_grains(truth, &grains, per_length, blur, &score);
+        print_score(bench, "curve", label, &score);
+    }
+    table_free(&PHOTO_GRAINS, &grains);
+    rims_free(&rims);
+    candidates_free(&found);
+    return status ? -1 : 0;
+}
+
+/* Pixel of the votes, band, sectors and iterations around what the photo chose itself. */
 static int run_curve(struct bench *bench, const struct photo *photo, const struct photo_grains *truth,
                      double per_length, double blur)
 {
-    static const double windows[] = {1.7, 2.5, 3.5, 5}, sectors[] = {1.5, 3, 6, 12};
+    static const double votes[] = {3.5, 5, 7, 10, 14}, windows[] = {1.7, 2.5, 3.5, 5}, sectors[] = {1.5, 3, 6, 12};
     static const int iterations[] = {0, 1, 2, 3, 5, 10};
     struct zone zone;
     struct grey_levels levels;
@@ -347,6 +375,8 @@ static int run_curve(struct bench *bench, const struct photo *photo, const struc
            chosen.window / chosen.blur, chosen.texture, cpu_now() - begin);
     rims_free(&rims);
     int status = 0;
+    for (size_t k = 0; k < 5 && !status; k++)
+        status = run_votes(bench, votes[k], photo, &zone, &levels, truth, per_length, blur);
     for (size_t k = 0; k < 4 && !status; k++) {
         struct rims_state state = chosen;
         state.window = windows[k] * chosen.blur;
@@ -401,8 +431,12 @@ static int run_case(struct bench *bench, const struct kind *kind)
     if (!status && bench->peers) {
         run_peer(bench, kind->name, PEER_HOUGH_GRADIENT, shrink, &photo, &truth, per_length, blur);
         run_peer(bench, kind->name, PEER_HOUGH_GRADIENT_ALT, shrink, &photo, &truth, per_length, blur);
-        run_peer(bench, kind->name, PEER_HOUGH_GRADIENT_ALT, 1, &photo, &truth, per_length, blur);
+        if (shrink > 1)
+            run_peer(bench, kind->name, PEER_HOUGH_GRADIENT_ALT, 1, &photo, &truth, per_length, blur);
         run_peer(bench, kind->name, PEER_DISTANCE_TRANSFORM, shrink, &photo, &truth, per_length, blur);
+        run_peer(bench, kind->name, PEER_CONTOURS, shrink, &photo, &truth, per_length, blur);
+        if (shrink > 1)
+            run_peer(bench, kind->name, PEER_CONTOURS, 1, &photo, &truth, per_length, blur);
     }
     photo_free(&photo);
     table_free(&PHOTO_GRAINS, &truth);

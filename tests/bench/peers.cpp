@@ -25,12 +25,19 @@ static std::vector<cv::Vec3f> hough(const cv::Mat &grey, enum peer peer, double 
     return found;
 }
 
-/* Highest points of the distance to the voids, best first, none within another's disc. */
-static std::vector<cv::Vec3f> distance_peaks(const cv::Mat &grey, double low)
+/* White: grains, by Otsu's threshold, small holes closed. */
+static cv::Mat grain_mask(const cv::Mat &grey)
 {
-    cv::Mat mask, distance, highest;
+    cv::Mat mask;
     cv::threshold(grey, mask, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(5, 5)));
+    return mask;
+}
+
+/* Highest points of the distance to the voids, best first, none within another's disc. */
+static std::vector<cv::Vec3f> distance_peaks(const cv::Mat &grey, const cv::Mat &mask, double low)
+{
+    cv::Mat distance, highest;
     cv::distanceTransform(mask, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
     cv::dilate(distance, highest, cv::Mat());
     std::vector<cv::Vec3f> peaks, kept;
@@ -49,14 +56,54 @@ static std::vector<cv::Vec3f> distance_peaks(const cv::Mat &grey, double low)
     return kept;
 }
 
+/* Touching grains parted by a watershed from the peaks of the distance; an ellipse through each one's outline where it
+ * borders on a void. */
+static std::vector<cv::Vec3f> contour_fits(const cv::Mat &grey, double low)
+{
+    cv::Mat mask = grain_mask(grey), colour, labels(grey.size(), CV_32S, cv::Scalar(0)), inside;
+    std::vector<cv::Vec3f> peaks = distance_peaks(grey, mask, low), found;
+    labels.setTo(1, mask == 0);
+    for (size_t k = 0; k < peaks.size(); k++)
+        cv::circle(labels, cv::Point((int)peaks[k][0], (int)peaks[k][1]), (int)(0.5 * peaks[k][2]), (int)k + 2, -1);
+    cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
+    cv::watershed(colour, labels);
+    cv::erode(mask, inside, cv::Mat(), cv::Point(-1, -1), 2);
+    for (size_t k = 0; k < peaks.size(); k++) {
+        double reach = 1.6 * peaks[k][2] + 4;
+        cv::Rect box((int)(peaks[k][0] - reach), (int)(peaks[k][1] - reach), (int)(2 * reach), (int)(2 * reach));
+        box &= cv::Rect(0, 0, grey.cols, grey.rows);
+        cv::Mat own = labels(box) == (int)k + 2;
+        std::vector<std::vector<cv::Point>> contours;
+        std::vector<cv::Point> rim;
+        cv::findContours(own, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE, box.tl());
+        for (const std::vector<cv::Point> &contour : contours)
+            for (const cv::Point &point : contour)
+                if (!inside.at<unsigned char>(point))
+                    rim.push_back(point);
+        if (rim.size() < 6)
+            continue;
+        cv::RotatedRect ellipse = cv::fitEllipse(rim);
+        /* the outline runs through the grain's outermost pixels, and the watershed has taken one away all around */
+        double radius = 0.25 * (ellipse.size.width + ellipse.size.height) + 1.5;
+        found.push_back(cv::Vec3f(ellipse.center.x, ellipse.center.y, (float)radius));
+    }
+    return found;
+}
+
+static std::vector<cv::Vec3f> find(const cv::Mat &grey, enum peer peer, double low, double high)
+{
+    if (peer == PEER_DISTANCE_TRANSFORM)
+        return distance_peaks(grey, grain_mask(grey), low);
+    return peer == PEER_CONTOURS ? contour_fits(grey, low) : hough(grey, peer, low, high);
+}
+
 int peer_find(enum peer peer, const uint16_t *pixels, int width, int height, int shrink, double radius_min,
               double radius_max, double (*circles)[3], int room)
 {
     cv::setNumThreads(1);
     cv::Mat grey = prepare(pixels, width, height, shrink);
     double low = 0.9 * radius_min / shrink, high = 1.1 * radius_max / shrink;
-    std::vector<cv::Vec3f> found =
-        peer == PEER_DISTANCE_TRANSFORM ? distance_peaks(grey, low) : hough(grey, peer, low, high);
+    std::vector<cv::Vec3f> found = find(grey, peer, low, high);
     int count = std::min(room, (int)found.size());
     for (int k = 0; k < count; k++) {
         circles[k][0] = (found[(size_t)k][0] + 0.5) * shrink - 0.5;

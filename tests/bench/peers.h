@@ -1,5 +1,5 @@
-/* What else finds circles: OpenCV's two Hough transforms and the distance transform of a thresholded photo, each with
- * one setting that works on these photos. */
+/* What else finds circles: OpenCV's two Hough transforms, the distance transform of a thresholded photo, and ellipses
+ * through the outlines of its parts, each with one setting that works on these photos. */
 #ifndef TESTS_BENCH_PEERS_H
 #define TESTS_BENCH_PEERS_H
 
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-enum peer { PEER_HOUGH_GRADIENT, PEER_HOUGH_GRADIENT_ALT, PEER_DISTANCE_TRANSFORM, PEERS };
+enum peer { PEER_HOUGH_GRADIENT, PEER_HOUGH_GRADIENT_ALT, PEER_DISTANCE_TRANSFORM, PEER_CONTOURS, PEERS };
 
 /* Circles x y r (px of the photo) into `circles`, at most `room`; returns how many. `shrink`: search at so many times
  * coarser pixels. */
