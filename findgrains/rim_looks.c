@@ -10,6 +10,7 @@ enum { RAYS = 96, DEPTHS = 3 };
 #define PLATEAU 2.0      /* px that are averaged there */
 #define WIDEST 0.25      /* of the radius: a flank is not wider */
 #define FAINTEST 0.12    /* of the contrast, above the voids */
+#define VOID_SPREADS 3.0 /* ... and of standard deviations of the voids: they may be lit unevenly themselves */
 #define BRIGHTEST 0.75   /* of the contrast: brighter is another grain */
 #define VOID_AGAIN 0.06  /* of the contrast: the flank has ended */
 #define LEAST_SHARE 0.12 /* of the rays */
@@ -17,9 +18,11 @@ enum { RAYS = 96, DEPTHS = 3 };
 #define SATURATED 0.25
 
 /* Along one ray: a plateau behind the rim, then the void, and nothing brighter between. */
-static int ray_shows_flank(const struct photo *photo, const struct rim *rim, double c, double s, double void_level,
-                           double contrast, double blur)
+static int ray_shows_flank(const struct photo *photo, const struct rim *rim, double c, double s,
+                           const struct grey_levels *levels, double blur)
 {
+    double void_level = levels->void_level, contrast = levels->grain_level - void_level;
+    double faintest = fmax(FAINTEST, VOID_SPREADS * levels->void_spread / contrast);
     double first = rim_radius_at(rim, c, s) + FIRST * blur, last = first + fmax(6, WIDEST * rim->radius), level = 0;
     if (rim->x + last * c < 0 || rim->x + last * c > photo->width - 1 || rim->y + last * s < 0 ||
         rim->y + last * s > photo->height - 1)
@@ -28,7 +31,7 @@ static int ray_shows_flank(const struct photo *photo, const struct rim *rim, dou
     for (double r = first; r < first + PLATEAU; r += 0.5, count++)
         level += (sample_grey(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
     level /= count;
-    if (level < FAINTEST || level > BRIGHTEST)
+    if (level < faintest || level > BRIGHTEST)
         return 0;
     double before = level;
     for (double r = first + PLATEAU; r < last; r += 1) {
@@ -44,10 +47,10 @@ static int ray_shows_flank(const struct photo *photo, const struct rim *rim, dou
 
 int rim_shows_flank(const struct photo *photo, const struct rim *rim, const struct grey_levels *levels, double blur)
 {
-    double x = 0, y = 0, count = 0, contrast = levels->grain_level - levels->void_level;
+    double x = 0, y = 0, count = 0;
     for (int ray = 0; ray < RAYS; ray++) {
         double c = cos(2 * M_PI * ray / RAYS), s = sin(2 * M_PI * ray / RAYS);
-        if (!ray_shows_flank(photo, rim, c, s, levels->void_level, contrast, blur))
+        if (!ray_shows_flank(photo, rim, c, s, levels, blur))
             continue;
         x += c;
         y += s;

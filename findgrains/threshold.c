@@ -73,6 +73,7 @@ static void find_otsu(const uint32_t *histogram, uint64_t total, struct grey_lev
     levels->threshold = 0.5 * (first + last);
     levels->separation = best / variance;
     levels->void_level = level_of_rank(histogram, 0, best_below / 2);
+    levels->void_spread = levels->void_level - level_of_rank(histogram, 0, (uint64_t)(0.16 * (double)best_below));
     levels->grain_level = level_of_rank(histogram, first + 1, (total - best_below) / 2);
 }
 

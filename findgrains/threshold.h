@@ -8,6 +8,7 @@
 struct grey_levels {
     double threshold;   /* Otsu's: largest variance between the two classes */
     double void_level;  /* median of the pixels at or below the threshold */
+    double void_spread; /* of the voids: from their median down to the darkest sixth */
     double grain_level; /* median of the pixels above it */
     double separation;  /* variance between the classes over the whole variance, 0 to 1; 0: one grey level only */
     double noise;       /* of a pixel: from second differences along rows, fine texture included */
