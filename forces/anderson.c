@@ -6,20 +6,19 @@
 
 #include "pipeline/error.h"
 
-enum { MOST_COLUMNS = 32 };
+#define SPANNED 1e-11 /* share of a column's square that the newer ones must leave: above rounding */
 
 int anderson_begin(struct anderson *state, size_t n, int m)
 {
     memset(state, 0, sizeof *state);
     state->n = n;
-    state->m = m < MOST_COLUMNS ? m : MOST_COLUMNS;
+    state->m = m < ANDERSON_MOST ? m : ANDERSON_MOST;
     size_t size = (n + 1) * (size_t)(state->m > 0 ? state->m : 1);
     state->dg = calloc(size, sizeof(double));
     state->dr = calloc(size, sizeof(double));
-    state->q = calloc(size, sizeof(double));
     state->g = calloc(n + 1, sizeof(double));
     state->r = calloc(n + 1, sizeof(double));
-    if (state->dg && state->dr && state->q && state->g && state->r)
+    if (state->dg && state->dr && state->g && state->r)
         return 0;
     anderson_free(state);
     return error_memory("acceleration");
@@ -27,7 +26,7 @@ int anderson_begin(struct anderson *state, size_t n, int m)
 
 void anderson_free(struct anderson *state)
 {
-    free(state->dg), free(state->dr), free(state->q), free(state->g), free(state->r);
+    free(state->dg), free(state->dr), free(state->g), free(state->r);
     memset(state, 0, sizeof *state);
 }
 
@@ -36,18 +35,17 @@ void anderson_restart(struct anderson *state)
     state->count = state->next = state->primed = 0;
 }
 
+/* Four sums side by side, in a fixed order. */
 static double dot(size_t n, const double *a, const double *b)
 {
-    double sum = 0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
-static void subtract(size_t n, double s, const double *a, double *from)
-{
-    for (size_t k = 0; k < n; k++)
-        from[k] -= s * a[k];
+    double sum[4] = {0};
+    size_t k = 0;
+    for (; k + 4 <= n; k += 4)
+        for (size_t i = 0; i < 4; i++)
+            sum[i] += a[k + i] * b[k + i];
+    for (; k < n; k++)
+        sum[0] += a[k] * b[k];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 static void remember(struct anderson *state, const double *x, const double *g)
@@ -61,44 +59,47 @@ static void remember(struct anderson *state, const double *x, const double *g)
         state->r[k] = r;
     }
     if (state->primed) {
-        state->next = (state->next + 1) % state->m;
+        int here = state->next;
+        state->next = (here + 1) % state->m;
         state->count += state->count < state->m;
+        for (int c = 0; c < state->count; c++)
+            state->gram[here][c] = state->gram[c][here] = dot(state->n, dr, state->dr + (size_t)c * state->n);
     }
     state->primed = 1;
 }
 
-/* Least squares |r - dR gamma| by modified Gram-Schmidt, newest column first; a column that the newer ones nearly span
- * is left out, and with it all older ones. */
+/* Least squares |r - dR gamma| by the normal equations, newest column first; a column that the newer ones nearly span
+ * is left out, and with it all older ones. Cholesky: lower L' = dR' dR. */
 static void mix(struct anderson *state, double *out)
 {
     size_t n = state->n;
-    double upper[MOST_COLUMNS][MOST_COLUMNS], right[MOST_COLUMNS], gamma[MOST_COLUMNS];
-    int used = 0, column[MOST_COLUMNS];
+    double lower[ANDERSON_MOST][ANDERSON_MOST], gamma[ANDERSON_MOST];
+    int used = 0, column[ANDERSON_MOST];
     for (int k = 0; k < state->count; k++) {
         int c = (state->next - 1 - k + 2 * state->m) % state->m;
-        double *q = state->q + (size_t)used * n;
-        memcpy(q, state->dr + (size_t)c * n, n * sizeof *q);
-        double before = sqrt(dot(n, q, q));
+        double left = state->gram[c][c], sum = dot(n, state->dr + (size_t)c * n, state->r);
         for (int p = 0; p < used; p++) {
-            upper[p][used] = dot(n, state->q + (size_t)p * n, q);
-            subtract(n, upper[p][used], state->q + (size_t)p * n, q);
+            double entry = state->gram[c][column[p]];
+            for (int q = 0; q < p; q++)
+                entry -= lower[used][q] * lower[p][q];
+            lower[used][p] = entry / lower[p][p];
+            left -= lower[used][p] * lower[used][p];
+            sum -= lower[used][p] * gamma[p];
         }
-        double norm = sqrt(dot(n, q, q));
-        if (!(norm > 1e-7 * before) || !(before > 0))
+        if (!(left > SPANNED * state->gram[c][c]))
             break;
-        for (size_t d = 0; d < n; d++)
-            q[d] /= norm;
-        upper[used][used] = norm;
-        right[used] = dot(n, q, state->r);
+        lower[used][used] = sqrt(left);
+        gamma[used] = sum / lower[used][used];
         column[used++] = c;
     }
     memcpy(out, state->g, n * sizeof *out);
     for (int p = used - 1; p >= 0; p--) {
-        gamma[p] = right[p];
+        const double *dg = state->dg + (size_t)column[p] * n;
         for (int k = p + 1; k < used; k++)
-            gamma[p] -= upper[p][k] * gamma[k];
-        gamma[p] /= upper[p][p];
-        subtract(n, gamma[p], state->dg + (size_t)column[p] * n, out);
+            gamma[p] -= lower[k][p] * gamma[k];
+        gamma[p] /= lower[p][p];
+        for (size_t d = 0; d < n; d++)
+            out[d] -= gamma[p] * dg[d];
     }
 }
 

@@ -5,14 +5,16 @@
 
 #include <stddef.h>
 
+enum { ANDERSON_MOST = 32 };
+
 struct anderson {
     size_t n;
     int m;
-    int count, next; /* columns held, where the following one goes */
-    int primed;      /* is there a last residual? */
-    double *dg, *dr; /* m columns: differences of images and of residuals */
-    double *g, *r;   /* last image and residual */
-    double *q;       /* orthonormal columns */
+    int count, next;                           /* columns held, where the following one goes */
+    int primed;                                /* is there a last residual? */
+    double *dg, *dr;                           /* m columns: differences of images and of residuals */
+    double *g, *r;                             /* last image and residual */
+    double gram[ANDERSON_MOST][ANDERSON_MOST]; /* products of the columns of dr */
 };
 
 int anderson_begin(struct anderson *state, size_t n, int m);

@@ -38,7 +38,7 @@ struct force_options {
 };
 #define FORCE_TOLERANCE 1e-6
 #define FORCE_WALL_MASS 100
-#define FORCE_ANDERSON 10
+#define FORCE_ANDERSON 5
 #define FORCE_OPTIONS_DEFAULT                                                                                          \
     {                                                                                                                  \
         .law = {.kn = NAN, .kt_over_kn = 1, .mu = NAN}, .tolerance = FORCE_TOLERANCE, .relaxation = 1,                 \
