@@ -6,9 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/anderson.h"
+#include "forces/cdm_order.h"
 #include "pipeline/error.h"
 
 enum { CDM_W = 5 /* Wnn, Wnt, Wtt, 1 / Wnn, 1 / Wtt */ };
+enum { CDM_WORSE = 10 };
 enum { CDM_SWEEPS = 20000, CDM_LOOK = 20 /* sweeps between two looks at the imbalance */, CDM_PATIENCE = 4000 };
 
 void cdm_contact(const double w[3], double mu, double un, double ut, double relaxation, double *fn, double *ft)
@@ -70,41 +73,66 @@ static void diagonal_contact(const double inverse[2], double mu, double un, doub
     *ft = t > most ? most : t < -most ? -most : t;
 }
 
-/* One sweep over all contacts; returns how many were corrected. unbalance: resultant on each degree of freedom. */
-static size_t sweep(const struct network *network, const struct force_options *options, const double (*w)[CDM_W],
-                    const double *held, double *f, double *unbalance)
+struct cdm {
+    const struct network *network;
+    const struct force_options *options;
+    struct cdm_order order;
+    double (*w)[CDM_W];
+    double *f, *held, *unbalance; /* unbalance: resultant on each degree of freedom */
+};
+
+/* Returns whether anything changed. */
+static inline size_t correct(const struct cdm *cdm, size_t c)
 {
-    size_t corrected = 0;
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        double un = 0, ut = 0, fn = f[2 * c], ft = f[2 * c + 1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++) {
-            double v = unbalance[contact->dof[e]] * network->inverse_mass[contact->dof[e]];
-            un += contact->n[e] * v;
-            ut += contact->t[e] * v;
-        }
-        if (!needs_correction(contact, &f[2 * c], un, ut, options->thickness))
-            continue;
-        if (w[c][1] == 0)
-            diagonal_contact(w[c] + 3, contact->mu, un, ut, options->relaxation, &fn, &ft);
-        else
-            cdm_contact(w[c], contact->mu, un, ut, options->relaxation, &fn, &ft);
-        if (options->fix == FIX_NORMAL) {
-            fn = held[2 * c];
-            ft = fmax(-contact->mu * fn, fmin(contact->mu * fn, ft));
-        } else if (options->fix == FIX_TANGENTIAL) {
-            ft = held[2 * c + 1];
-            fn = fmax(fn, contact->mu > 0 ? fabs(ft) / contact->mu : 0);
-        }
-        double dn = fn - f[2 * c], dt = ft - f[2 * c + 1];
-        if (dn == 0 && dt == 0)
-            continue;
-        corrected++;
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            unbalance[contact->dof[e]] += contact->n[e] * dn + contact->t[e] * dt;
-        f[2 * c] = fn;
-        f[2 * c + 1] = ft;
+    const struct network *network = cdm->network;
+    const struct network_contact *contact = &network->contact[c];
+    const struct force_options *options = cdm->options;
+    const double *w = cdm->w[c];
+    double *f = cdm->f, un = 0, ut = 0, fn = f[2 * c], ft = f[2 * c + 1];
+    for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++) {
+        double v = cdm->unbalance[contact->dof[e]] * network->inverse_mass[contact->dof[e]];
+        un += contact->n[e] * v;
+        ut += contact->t[e] * v;
     }
+    if (!needs_correction(contact, &f[2 * c], un, ut, options->thickness))
+        return 0;
+    if (w[1] == 0)
+        diagonal_contact(w + 3, contact->mu, un, ut, options->relaxation, &fn, &ft);
+    else
+        cdm_contact(w, contact->mu, un, ut, options->relaxation, &fn, &ft);
+    if (options->fix == FIX_NORMAL) {
+        fn = cdm->held[2 * c];
+        ft = fmax(-contact->mu * fn, fmin(contact->mu * fn, ft));
+    } else if (options->fix == FIX_TANGENTIAL) {
+        ft = cdm->held[2 * c + 1];
+        fn = fmax(fn, contact->mu > 0 ? fabs(ft) / contact->mu : 0);
+    }
+    double dn = fn - f[2 * c], dt = ft - f[2 * c + 1];
+    if (dn == 0 && dt == 0)
+        return 0;
+    for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
+        cdm->unbalance[contact->dof[e]] += contact->n[e] * dn + contact->t[e] * dt;
+    f[2 * c] = fn;
+    f[2 * c + 1] = ft;
+    return 1;
+}
+
+/* One sweep over all contacts; returns how many were corrected. Contacts of one colour share nothing, so that the
+ * result does not depend on who visits them when. */
+static size_t sweep(const struct cdm *cdm)
+{
+    const struct cdm_order *order = &cdm->order;
+    size_t corrected = 0;
+    if (order->colours > 0) {
+#pragma omp parallel reduction(+ : corrected)
+        for (int colour = 0; colour < order->colours; colour++) {
+#pragma omp for schedule(static)
+            for (size_t k = order->start[colour]; k < order->start[colour + 1]; k++)
+                corrected += correct(cdm, (size_t)order->contact[k]);
+        }
+    }
+    for (size_t k = order->start[order->colours]; k < order->start[order->colours + 1]; k++)
+        corrected += correct(cdm, (size_t)order->contact[k]);
     return corrected;
 }
 
@@ -115,52 +143,91 @@ struct best {
     int sweep; /* when it was found */
 };
 
-static void look(const struct network *network, const double *f, double *unbalance, int sweep_number, struct best *best)
+/* The imbalance; the resultants are recomputed, so that rounding does not add up. */
+static double look(const struct cdm *cdm, int sweep_number, struct best *best)
 {
-    double imbalance = network_judge(network, f, unbalance);
-    if (imbalance >= best->imbalance)
-        return;
-    best->imbalance = imbalance;
-    best->sweep = sweep_number;
-    memcpy(best->f, f, 2 * network->count * sizeof *f);
+    double imbalance = network_judge(cdm->network, cdm->f, cdm->unbalance);
+    if (imbalance < best->imbalance) {
+        best->imbalance = imbalance;
+        best->sweep = sweep_number;
+        memcpy(best->f, cdm->f, 2 * cdm->network->count * sizeof *cdm->f);
+    }
+    return imbalance;
+}
+
+/* Anderson's acceleration of a block of sweeps, which has just led from x to the forces of this imbalance. When that
+ * is `CDM_WORSE` times what the block before left, sweeps lead on without it and without history. */
+static void accelerate(const struct cdm *cdm, struct anderson *anderson, double imbalance, double before, double *x)
+{
+    size_t size = 2 * cdm->network->count * sizeof *x;
+    if (imbalance > CDM_WORSE * before) {
+        anderson_restart(anderson);
+    } else {
+        anderson_step(anderson, x, cdm->f, cdm->f);
+        admit(cdm->network, cdm->options, cdm->held, cdm->f);
+    }
+    network_unbalance(cdm->network, cdm->f, cdm->unbalance);
+    memcpy(x, cdm->f, size);
 }
 
 /* Sweeps until the imbalance is below the tolerance, two sweeps in a row corrected nothing (thesis 2.33), it has not
- * improved for CDM_PATIENCE sweeps, or the limit is reached. The resultants are recomputed at every look, so that
- * rounding does not add up. */
-static void iterate(const struct network *network, const struct force_options *options, const double (*w)[CDM_W],
-                    const double *held, double *f, double *unbalance, struct best *best, struct outcome *outcome)
+ * improved for CDM_PATIENCE sweeps, or the limit is reached. */
+static void iterate(const struct cdm *cdm, struct anderson *anderson, double *x, struct best *best,
+                    struct outcome *outcome)
 {
+    const struct force_options *options = cdm->options;
     int limit = options->iterations > 0 ? options->iterations : CDM_SWEEPS, quiet = 0, done = 0;
-    look(network, f, unbalance, 0, best);
+    int block = options->block > 0 ? options->block : CDM_LOOK;
+    double before = INFINITY;
+    look(cdm, 0, best);
     while (done < limit && quiet < 2 && best->imbalance > options->tolerance && done - best->sweep < CDM_PATIENCE) {
-        quiet = sweep(network, options, w, held, f, unbalance) == 0 ? quiet + 1 : 0;
-        if (++done % CDM_LOOK == 0)
-            look(network, f, unbalance, done, best);
+        quiet = sweep(cdm) == 0 ? quiet + 1 : 0;
+        if (++done % block != 0)
+            continue;
+        double imbalance = look(cdm, done, best);
+        if (options->block > 0 && best->imbalance > options->tolerance)
+            accelerate(cdm, anderson, imbalance, before, x);
+        before = imbalance;
     }
-    look(network, f, unbalance, done, best);
-    memcpy(f, best->f, 2 * network->count * sizeof *f);
+    look(cdm, done, best);
+    memcpy(cdm->f, best->f, 2 * cdm->network->count * sizeof *cdm->f);
     outcome->iterations = done;
     outcome->imbalance = best->imbalance;
     outcome->converged = best->imbalance <= options->tolerance;
 }
 
+static int begin(struct cdm *cdm)
+{
+    const struct network *network = cdm->network;
+    size_t size = 2 * network->count * sizeof(double);
+    cdm->w = malloc((network->count + 1) * sizeof *cdm->w);
+    cdm->unbalance = malloc((network->dofs + 1) * sizeof(double));
+    cdm->held = malloc(size + sizeof(double));
+    if (!cdm->w || !cdm->unbalance || !cdm->held)
+        return error_memory("contact dynamics");
+    memcpy(cdm->held, cdm->f, size);
+    admit(network, cdm->options, cdm->held, cdm->f);
+    memcpy(cdm->held, cdm->f, size);
+    fill_w(network, cdm->w);
+    return cdm_order_build(network, cdm->options->colours, &cdm->order);
+}
+
 int cdm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
 {
-    double(*w)[CDM_W] = malloc((network->count + 1) * sizeof *w);
-    double *unbalance = malloc((network->dofs + 1) * sizeof *unbalance);
-    double *held = malloc((2 * network->count + 1) * sizeof *held);
-    struct best best = {malloc((2 * network->count + 1) * sizeof *best.f), INFINITY, 0};
-    int status = 0;
-    if (!w || !unbalance || !held || !best.f) {
-        status = error_memory("contact dynamics");
-    } else {
-        memcpy(held, f, 2 * network->count * sizeof *held);
-        admit(network, options, held, f);
-        memcpy(held, f, 2 * network->count * sizeof *held);
-        fill_w(network, w);
-        iterate(network, options, (const double(*)[CDM_W])w, held, f, unbalance, &best, outcome);
+    struct cdm cdm = {.network = network, .options = options, .f = f};
+    struct anderson anderson = {0};
+    size_t unknowns = 2 * network->count;
+    struct best best = {malloc((unknowns + 1) * sizeof *best.f), INFINITY, 0};
+    double *x = malloc((unknowns + 1) * sizeof *x);
+    int status = best.f && x ? begin(&cdm) : error_memory("contact dynamics");
+    if (!status)
+        status = anderson_begin(&anderson, options->block > 0 ? unknowns : 0, options->anderson);
+    if (!status) {
+        memcpy(x, f, unknowns * sizeof *x);
+        iterate(&cdm, &anderson, x, &best, outcome);
     }
-    free(w), free(unbalance), free(held), free(best.f);
+    anderson_free(&anderson);
+    cdm_order_free(&cdm.order);
+    free(cdm.w), free(cdm.unbalance), free(cdm.held), free(best.f), free(x);
     return status;
 }

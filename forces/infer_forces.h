@@ -32,9 +32,11 @@ struct force_options {
     double relaxation; /* 1: Gauss-Seidel; up to 1.5 */
     double thickness;  /* graph thickness: relative velocity below which a contact is left alone, in <fn> / mean mass */
     double wall_mass;  /* of a free wall, in mean grain masses */
+    int block;         /* sweeps between two of Anderson's accelerations; 0: none */
+    int colours; /* contacts that share no grain are visited at the same time, by all threads; 0: in their order */
     /* qsm */
     int orthogonal; /* project onto the Coulomb cone orthogonally (associated flow) instead of vertically */
-    int anderson;   /* columns of Anderson's acceleration; 0: none */
+    int anderson;   /* columns of Anderson's acceleration, also of cdm's; 0: none */
 };
 #define FORCE_TOLERANCE 1e-6
 #define FORCE_WALL_MASS 100

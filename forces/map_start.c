@@ -91,10 +91,19 @@ static void find_idle(const struct map *map, struct bearing *of_dof, unsigned ch
     }
 }
 
+/* The force that the unknown loads leave to a contact in the corner of its cone. */
+static double corner_force(const struct map *map, size_t c)
+{
+    double soft = 0;
+    for (int e = 0; e < NETWORK_WIDTH && map->network->contact[c].dof[e] >= 0; e++)
+        soft = fmax(soft, map->soft[map->network->contact[c].dof[e]]);
+    return sqrt(map->weight[c] * soft);
+}
+
 /* No friction; s and q such that their product is FIRST_GAP, or, in the corner, the weight. */
 static void place(struct map *map, size_t c, int idle)
 {
-    double fn = idle ? sqrt(map->weight[c] * map->options->tolerance * map->options->tolerance) : 1;
+    double fn = idle ? corner_force(map, c) : 1;
     map_set_edges(map, c, fn, 0);
     for (int k = 0; k < 2; k++)
         map->q[c][k] = (idle ? map->weight[c] : FIRST_GAP) / map->s[c][k];

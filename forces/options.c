@@ -33,7 +33,7 @@ int method_list_parse(const char *text, struct method_list *list)
 
 static const char *const KEYS[] = {"method",     "start",     "fix",       "rescale",    "tolerance", "iterations",
                                    "relaxation", "thickness", "wall_mass", "orthogonal", "anderson",  "samples",
-                                   "walk",       "stability", "series",    NULL};
+                                   "walk",       "block",     "colours",   "stability",  "series",    NULL};
 
 static int read_words(const struct scene *scene, const cJSON *section, struct method_list *list,
                       struct force_options *options)
@@ -56,8 +56,8 @@ static int read_words(const struct scene *scene, const cJSON *section, struct me
 static int read_numbers(const struct scene *scene, const cJSON *section, struct force_options *options)
 {
     const struct json *json = scene->json;
-    long iterations = options->iterations, anderson = options->anderson, samples = options->samples,
-         walk = options->walk;
+    long iterations = options->iterations, anderson = options->anderson, block = options->block,
+         samples = options->samples, walk = options->walk;
     if (json_boolean(json, section, "rescale", &options->rescale) < 0 ||
         json_boolean(json, section, "orthogonal", &options->orthogonal) < 0 ||
         json_boolean(json, section, "stability", &options->stability) < 0 ||
@@ -67,11 +67,14 @@ static int read_numbers(const struct scene *scene, const cJSON *section, struct 
         json_number(json, section, "thickness", 0, 1, &options->thickness) < 0 ||
         json_number(json, section, "wall_mass", 1e-6, 1e12, &options->wall_mass) < 0 ||
         json_integer(json, section, "anderson", 0, 30, &anderson) < 0 ||
+        json_integer(json, section, "block", 0, 100000, &block) < 0 ||
+        json_boolean(json, section, "colours", &options->colours) < 0 ||
         json_integer(json, section, "samples", 0, 100000, &samples) < 0 ||
         json_integer(json, section, "walk", 0, 1000000, &walk) < 0)
         return -1;
     options->iterations = (int)iterations;
     options->anderson = (int)anderson;
+    options->block = (int)block;
     options->samples = (int)samples;
     options->walk = (int)walk;
     return 0;
@@ -120,7 +123,8 @@ char *force_options_text(const struct method_list *list, const struct force_opti
         add_number(object, "tolerance", options->tolerance) || add_number(object, "iterations", options->iterations) ||
         add_number(object, "relaxation", options->relaxation) || add_number(object, "thickness", options->thickness) ||
         add_number(object, "wall_mass", options->wall_mass) || add_number(object, "orthogonal", options->orthogonal) ||
-        add_number(object, "anderson", options->anderson) || add_number(object, "samples", options->samples) ||
+        add_number(object, "anderson", options->anderson) || add_number(object, "block", options->block) ||
+        add_number(object, "colours", options->colours) || add_number(object, "samples", options->samples) ||
         add_number(object, "walk", options->walk) || add_number(object, "stability", options->stability) ||
         (options->range && !cJSON_AddStringToObject(object, "range", options->range));
     if (!failed)
