@@ -211,6 +211,45 @@ static int infer(const struct packing *packing, const struct network *network, c
     return status;
 }
 
+static double unbalance_of(const struct residuals *residual, size_t k, double radius)
+{
+    return fmax(hypot(residual->residual_x[k], residual->residual_y[k]), fabs(residual->residual_m[k]) / radius);
+}
+
+static double mean_pushing(const struct contact_forces *contact)
+{
+    double sum = 0, pushing = 0;
+    for (size_t c = 0; c < contact->count; c++)
+        if (contact->fn[c] > 0)
+            sum += contact->fn[c], pushing++;
+    return pushing > 0 ? sum / pushing : 0;
+}
+
+static double mean_radius_of(const struct grains *grains)
+{
+    double sum = 0, count = 0;
+    for (size_t k = 0; k < grains->count; k++)
+        if (isfinite(grains->radius[k]))
+            sum += grains->radius[k], count++;
+    return sum > 0 ? sum / count : 1;
+}
+
+/* In the mean over the grains; how far the forces are outside their cones. */
+static void sum_up(const struct packing *packing, const struct contact_law *law, struct forces *forces)
+{
+    double mean = mean_pushing(&forces->contact), radius = mean_radius_of(&packing->grains), sum = 0, out = 0;
+    for (size_t k = 0; k < forces->residual.count; k++)
+        sum += unbalance_of(&forces->residual, k, radius);
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        size_t wall;
+        double mu = packing_is_wall(packing, c, &wall) ? law->mu_wall : law->mu, fn = forces->contact.fn[c];
+        out = fmax(out, fmax(-fn, fabs(forces->contact.ft[c]) - mu * fn));
+    }
+    mean = mean > 0 ? mean : 1;
+    forces->imbalance_mean = forces->residual.count ? sum / (double)forces->residual.count / mean : 0;
+    forces->violation = out / mean;
+}
+
 int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
                  struct forces *forces)
 {
@@ -220,27 +259,19 @@ int infer_forces(const struct packing *packing, const struct force_options *opti
     if (check_options(options, method) || network_build(packing, &options->law, &network_options, &network))
         return -1;
     int status = infer(packing, &network, options, method, forces);
+    if (!status)
+        sum_up(packing, &options->law, forces);
     network_free(&network);
     if (status)
         forces_free(forces);
     return status;
 }
 
-static double unbalance_of(const struct residuals *residual, size_t k, double radius)
-{
-    return fmax(hypot(residual->residual_x[k], residual->residual_y[k]), fabs(residual->residual_m[k]) / radius);
-}
-
 size_t forces_unbalanced_grains(const struct packing *packing, const struct forces *forces, double share)
 {
-    double sum = 0, radius = 0;
-    size_t pushing = 0, found = 0, grains = forces->residual.count;
-    for (size_t c = 0; c < forces->contact.count; c++)
-        if (forces->contact.fn[c] > 0)
-            sum += forces->contact.fn[c], pushing++;
-    for (size_t k = 0; k < grains; k++)
-        radius += isfinite(packing->grains.radius[k]) ? packing->grains.radius[k] / (double)grains : 0;
-    for (size_t k = 0; k < grains; k++)
-        found += unbalance_of(&forces->residual, k, radius) > share * (pushing ? sum / (double)pushing : 0);
+    double limit = share * mean_pushing(&forces->contact), radius = mean_radius_of(&packing->grains);
+    size_t found = 0;
+    for (size_t k = 0; k < forces->residual.count; k++)
+        found += unbalance_of(&forces->residual, k, radius) > limit;
     return found;
 }

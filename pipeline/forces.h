@@ -56,10 +56,12 @@ struct forces {
     struct rays ray; /* empty unless infeasible */
     int iterations;
     int converged;
-    int infeasible;      /* proved: no admissible forces balance the loads */
-    double imbalance;    /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
-    double stress[2][2]; /* Pa (or N/m without a length): Weber stress, compression positive */
-    double kn, kt;       /* N/m, as used; NaN when not used */
+    int infeasible;        /* proved: no admissible forces balance the loads */
+    double imbalance;      /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
+    double imbalance_mean; /* attribute `residual_mean`: that of each grain, in the mean */
+    double violation;      /* attribute `cone_violation`: largest |ft| - mu fn or -fn over <fn>; only with that */
+    double stress[2][2];   /* Pa (or N/m without a length): Weber stress, compression positive */
+    double kn, kt;         /* N/m, as used; NaN when not used */
     double mu;
     double misfit[2];   /* N: what the loads on all four walls leave over, x and y; NaN: a wall bears no load */
     double data_misfit; /* series: squared errors of this photo's data over their variances, per datum; 0: not said */

@@ -129,6 +129,8 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_numbers(state, group, "converged", &converged, 1) < 0 ||
         state_read_numbers(state, group, "infeasible", &infeasible, 1) < 0 ||
         state_read_numbers(state, group, "residual", &forces->imbalance, 1) < 0 ||
+        state_read_numbers(state, group, "residual_mean", &forces->imbalance_mean, 1) < 0 ||
+        state_read_numbers(state, group, "cone_violation", &forces->violation, 1) < 0 ||
         state_read_numbers(state, group, "stress", stress, 4) < 0 ||
         state_read_numbers(state, group, "kn", &forces->kn, 1) < 0 ||
         state_read_numbers(state, group, "kt", &forces->kt, 1) < 0 ||
@@ -224,6 +226,14 @@ static int write_walk(struct state_writer *writer, const char *group, const stru
            state_write_numbers(writer, group, "walk_range", walk->range, 2);
 }
 
+static int write_balance(struct state_writer *writer, const char *group, const struct forces *forces)
+{
+    if (!(forces->imbalance_mean > 0))
+        return 0;
+    return state_write_numbers(writer, group, "residual_mean", &forces->imbalance_mean, 1) ||
+           state_write_numbers(writer, group, "cone_violation", &forces->violation, 1);
+}
+
 static int write_stability(struct state_writer *writer, const char *group, const struct forces *forces)
 {
     if (!(forces->softest.count > 0))
@@ -251,7 +261,8 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces) ||
                    (forces->data_misfit > 0 &&
                     state_write_numbers(writer, group, "data_misfit", &forces->data_misfit, 1)) ||
-                   write_walk(writer, group, &forces->walk) || write_stability(writer, group, forces)
+                   write_walk(writer, group, &forces->walk) || write_stability(writer, group, forces) ||
+                   write_balance(writer, group, forces)
                ? -1
                : 0;
 }

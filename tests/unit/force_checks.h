@@ -119,6 +119,8 @@ static inline void infer_and_check(const struct packing *packing, const struct f
         check_at_most(fabs(forces->contact.ft[c]), mu * forces->contact.fn[c] * (1 + 1e-12));
     }
     assert_true(isfinite(forces->imbalance));
+    check_at_most(forces->violation, 1e-12);
+    check_at_most(forces->imbalance_mean, 1.5 * forces->imbalance); /* hypot of two components each */
     double balance = add_up(packing, forces);
     check_near(balance, forces->imbalance, 1e-6 * forces->imbalance + 1e-12);
     assert_int_equal(forces->converged, forces->imbalance <= options->tolerance);
