@@ -10,11 +10,12 @@
 #include "pipeline/error.h"
 
 enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve, unless `feasible` */ };
-#define INTERIOR_STALL 1e-3  /* while it is larger than this, in <fn> */
-#define INTERIOR_BALANCE 0.1 /* of the tolerance */
-#define INTERIOR_DATA 1e-6   /* in <fn>, and in 1 / <fn> for the multipliers */
-#define INTERIOR_OFF 1e-2    /* how well s q is its weight, as a share of it */
-#define BOUNDARY 0.995       /* share of the way to the boundary that a step may go */
+#define INTERIOR_STALL 1e-3     /* while it is larger than this, in <fn> */
+#define INTERIOR_BALANCE 0.1    /* of the tolerance */
+#define INTERIOR_DATA 1e-6      /* in <fn>, and in 1 / <fn> for the multipliers */
+#define INTERIOR_ROUNDING 1e-15 /* of the largest multiplier: near mechanisms have large ones */
+#define INTERIOR_OFF 1e-2       /* how well s q is its weight, as a share of it */
+#define BOUNDARY 0.995          /* share of the way to the boundary that a step may go */
 
 static int sides(const struct map *map, size_t c)
 {
@@ -60,12 +61,13 @@ static void residuals(struct map *map)
 {
     const struct evidence *evidence = map->evidence;
     double *balance = map->left, *data = map->left + map->dofs, sum = 0, count = 0;
-    map->data = map->balance = map->off = 0;
+    map->data = map->balance = map->off = map->rounding = 0;
     map_errors(map);
     network_unbalance(map->network, map->forces, balance);
     for (size_t d = 0; d < map->dofs; d++) {
         balance[d] += map->soft[d] * map->y[d];
         map->balance = fmax(map->balance, fabs(balance[d]));
+        map->rounding = fmax(map->rounding, INTERIOR_ROUNDING * fabs(map->y[d]));
     }
     network_motion(map->network, map->y, map->relative);
     for (size_t c = 0; c < map->count; c++) {
@@ -255,7 +257,7 @@ int map_interior(struct map *map, int *iterations)
         residuals(map);
         double before = k < INTERIOR_PATIENCE ? INFINITY : history[k % INTERIOR_PATIENCE];
         history[k % INTERIOR_PATIENCE] = map->balance;
-        if (map->balance <= INTERIOR_BALANCE * map->options->tolerance && map->data <= INTERIOR_DATA &&
+        if (map->balance <= INTERIOR_BALANCE * map->options->tolerance && map->data <= INTERIOR_DATA + map->rounding &&
             map->off <= INTERIOR_OFF)
             status = 0;
         else if (k >= INTERIOR_STEPS || !isfinite(map->gap) ||

@@ -36,6 +36,7 @@ struct map {
     double (*curve)[3];      /* the same for (fn, ft): nn, nt, tt */
     double *diagonal;
     double balance, data, gap, off; /* largest left in equilibrium and overlaps; mean s q; largest |s q / weight - 1| */
+    double rounding;                /* of the multipliers */
     double length;                  /* of the last step */
 };
 
