@@ -103,6 +103,23 @@ static void best_thresholds(const struct scored_network *network, struct hits *b
     }
 }
 
+static void reliability_add(struct reliability *sum, double probability, int is)
+{
+    int bin = (int)fmin(SCORE_BINS - 1, SCORE_BINS * probability);
+    sum->count[bin]++;
+    sum->is[bin] += is;
+    sum->stated[bin] += probability;
+}
+
+static void reliability_sum(struct reliability *sum, const struct reliability *one)
+{
+    for (int b = 0; b < SCORE_BINS; b++) {
+        sum->count[b] += one->count[b];
+        sum->is[b] += one->is[b];
+        sum->stated[b] += one->stated[b];
+    }
+}
+
 static void count_pair(const struct scored_network *network, const struct scored_pair *pair,
                        struct network_figures *sum)
 {
@@ -117,10 +134,9 @@ static void count_pair(const struct scored_network *network, const struct scored
         int named = pair->probability > (r + 1) * 0.1;
         hits_add(&sum->rule[r], (struct hits){named, named && is, is});
     }
-    int bin = (int)fmin(SCORE_BINS - 1, SCORE_BINS * pair->probability);
-    sum->bin_count[bin]++;
-    sum->bin_true[bin] += is;
-    sum->bin_probability[bin] += pair->probability;
+    reliability_add(&sum->every, pair->probability, is);
+    if (carries >= 0)
+        reliability_add(&sum->decidable, pair->probability, carries);
 }
 
 void network_figures_add(struct scored_network *network, struct network_figures *sum)
@@ -145,17 +161,16 @@ void network_figures_add(struct scored_network *network, struct network_figures 
     hits_add(&sum->best_carrying, one.best_carrying);
     for (int r = 0; r < RULES; r++)
         hits_add(&sum->rule[r], one.rule[r]);
-    for (int b = 0; b < SCORE_BINS; b++) {
-        sum->bin_count[b] += one.bin_count[b];
-        sum->bin_true[b] += one.bin_true[b];
-        sum->bin_probability[b] += one.bin_probability[b];
-    }
+    reliability_sum(&sum->every, &one.every);
+    reliability_sum(&sum->decidable, &one.decidable);
 }
 
 void print_reliability(const struct network_figures *figures)
 {
-    printf("probability   pairs  stated observed\n");
+    const struct reliability *all = &figures->every, *some = &figures->decidable;
+    printf("probability    pairs  stated observed  | without pairs at rest: pairs  stated observed\n");
     for (int b = 0; b < SCORE_BINS; b++)
-        printf("%.1f-%.1f %12.0f %8.3f %8.3f\n", b / 10.0, (b + 1) / 10.0, figures->bin_count[b],
-               figures->bin_probability[b] / figures->bin_count[b], figures->bin_true[b] / figures->bin_count[b]);
+        printf("%.1f-%.1f %12.0f %8.3f %8.3f  | %28.0f %7.3f %8.3f\n", b / 10.0, (b + 1) / 10.0, all->count[b],
+               all->stated[b] / all->count[b], all->is[b] / all->count[b], some->count[b],
+               some->stated[b] / some->count[b], some->is[b] / some->count[b]);
 }

@@ -46,7 +46,9 @@ struct network_figures {
     struct hits all, bearing, carrying, walls; /* bearing: without the contacts of grains flagged as rattlers */
     struct hits best, best_carrying;           /* with the best threshold on the measured overlap */
     struct hits rule[RULES];                   /* contacts: probability above 0.1, 0.2 ... 0.9 */
-    double bin_count[SCORE_BINS], bin_true[SCORE_BINS], bin_probability[SCORE_BINS];
+    struct reliability {
+        double count[SCORE_BINS], is[SCORE_BINS], stated[SCORE_BINS];
+    } every, decidable; /* all pairs; without those that count neither way */
 };
 
 /* Adds one network to the sums; `figures` starts zeroed. Sorts the pairs. */
