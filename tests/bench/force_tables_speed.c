@@ -14,6 +14,7 @@ struct variant {
     enum force_method method;
     enum force_start start;
     int anderson; /* qsm; cdm: over-relaxation 1.3 when negative */
+    int block;    /* cdm: sweeps between two accelerations */
     const char *name;
 };
 
@@ -28,6 +29,7 @@ static int race(const struct packing *truth, const struct variant *variant, cons
         struct forces forces;
         options.start = variant->start;
         options.tolerance = tolerances[t];
+        options.block = variant->block;
         if (variant->anderson >= 0)
             options.anderson = variant->anderson;
         else
@@ -56,15 +58,17 @@ static int race(const struct packing *truth, const struct variant *variant, cons
 
 int table_speed(const struct bench *bench, const struct packing *truth, const char *label)
 {
-    static const struct variant variants[] = {{METHOD_CDM, START_ZERO, FORCE_ANDERSON, "cdm, zero"},
-                                              {METHOD_CDM, START_ZERO, -1, "cdm, zero, relaxation 1.3"},
-                                              {METHOD_CDM, START_OVERLAP, FORCE_ANDERSON, "cdm, overlap"},
-                                              {METHOD_QSM, START_ZERO, 0, "qsm, zero, plain"},
-                                              {METHOD_QSM, START_ZERO, FORCE_ANDERSON, "qsm, zero"},
-                                              {METHOD_QSM, START_OVERLAP, 0, "qsm, overlap, plain"},
-                                              {METHOD_QSM, START_OVERLAP, FORCE_ANDERSON, "qsm, overlap"},
-                                              {METHOD_MAP, START_ZERO, FORCE_ANDERSON, "map, zero"},
-                                              {METHOD_MAP, START_OVERLAP, FORCE_ANDERSON, "map, overlap (exact)"}};
+    static const struct variant variants[] = {{METHOD_CDM, START_ZERO, FORCE_ANDERSON, 0, "cdm, zero"},
+                                              {METHOD_CDM, START_ZERO, -1, 0, "cdm, zero, relaxation 1.3"},
+                                              {METHOD_CDM, START_ZERO, 10, 10, "cdm, zero, accelerated"},
+                                              {METHOD_CDM, START_OVERLAP, FORCE_ANDERSON, 0, "cdm, overlap"},
+                                              {METHOD_CDM, START_OVERLAP, 10, 10, "cdm, overlap, accelerated"},
+                                              {METHOD_QSM, START_ZERO, 0, 0, "qsm, zero, plain"},
+                                              {METHOD_QSM, START_ZERO, FORCE_ANDERSON, 0, "qsm, zero"},
+                                              {METHOD_QSM, START_OVERLAP, 0, 0, "qsm, overlap, plain"},
+                                              {METHOD_QSM, START_OVERLAP, FORCE_ANDERSON, 0, "qsm, overlap"},
+                                              {METHOD_MAP, START_ZERO, FORCE_ANDERSON, 0, "map, zero"},
+                                              {METHOD_MAP, START_OVERLAP, FORCE_ANDERSON, 0, "map, overlap (exact)"}};
     (void)bench;
     printf("%-14s %-24s %15s %15s %15s %15s   r(fn) / r(ft)\n", "", "iterations / CPU s to", "1e-2", "1e-4", "1e-6",
            "1e-8");
