@@ -184,12 +184,27 @@ static int run_tracked(const struct options *o)
 
 /* ---- simulated ---- */
 
+static cJSON *describe_jumps(const struct settle_result *result)
+{
+    cJSON *rows = cJSON_CreateArray();
+    for (size_t j = 0; j < result->jumps; j++) {
+        const struct settle_jump *jump = &result->jump[j];
+        cJSON *row = cJSON_CreateObject();
+        calibration_add(row, "to_cycle", (double)jump->cycle);
+        calibration_add(row, "before_m", jump->before);
+        calibration_add(row, "promised_m", jump->promised);
+        calibration_add(row, "arrived_m", jump->arrived);
+        cJSON_AddItemToArray(rows, row);
+    }
+    return rows;
+}
+
 static cJSON *describe_run(const struct settle_result *result)
 {
     cJSON *object = cJSON_CreateObject(), *cycles = cJSON_CreateArray(), *settlement = cJSON_CreateArray();
     cJSON *z = cJSON_CreateArray();
     calibration_add(object, "simulated_cycles", (double)result->simulated);
-    calibration_add(object, "jumps", (double)result->jumps);
+    cJSON_AddItemToObject(object, "jumps", describe_jumps(result));
     calibration_add(object, "partings", (double)result->parted);
     calibration_add(object, "steps", (double)result->steps);
     calibration_add(object, "height_m", result->height);
@@ -279,7 +294,7 @@ int command_settlement(int argc, char **argv)
     struct options options = {
         .cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT},
         .loop = SETTLE_DEFAULT,
-        .wanted = {.trend = TREND_LOGARITHMIC, .per_cycle = 1, .first = 1, .ahead = 40, .error = NAN, .p = 0.05}};
+        .wanted = {.trend = TREND_LOG, .per_cycle = 1, .first = 1, .ahead = 40, .error = NAN, .p = 0.05}};
     cli_parse(&parser, argc, argv, &options);
     int status = cli_finish(&options.cli, options.files.count ? run_tracked(&options) : run_simulated(&options));
     cli_inputs_free(&options.files);

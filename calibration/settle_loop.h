@@ -18,7 +18,7 @@ struct settle_options {
 };
 #define SETTLE_DEFAULT                                                                                                 \
     {                                                                                                                  \
-        .initial = 10, .train = 20, .ahead = 40, .cycles = 250, .trend = TREND_LOGARITHMIC, .carry = 1, .excess = 3    \
+        .initial = 10, .train = 20, .ahead = 40, .cycles = 250, .trend = TREND_LOG, .carry = 1, .excess = 3            \
     }
 
 /* One jump: the settlement that the trend of the height promises, and the one at which the packing came to rest. */
