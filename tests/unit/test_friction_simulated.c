@@ -51,6 +51,8 @@ static void three_rods_slide_at_their_mu(void **state)
             (struct friction_test){.p1 = P1, .p2 = 0.5 * (low + high), .arm = ARM, .radius = RADIUS, .alpha = alpha};
         struct friction friction;
         check_done(friction_estimate(&tests[k], 1, &friction));
+        print_message("mu %.2f, alpha %g degrees: found %.5f, %+.3f %%\n", mus[k], alphas[k], friction.mu,
+                      100 * (friction.mu / mus[k] - 1));
         check_near(friction.mu / mus[k], 1, 0.01);
     }
 }
