@@ -133,6 +133,12 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
     return status;
 }
 
+/* A number that no photo can have is as good as none: the grain is lost, and flagged. */
+static double possible(double px)
+{
+    return fabs(px) < 1e6 ? px : NAN;
+}
+
 int find_known_grains(const struct photo *photo, const struct find_options *options, const struct photo_grains *known,
                       struct photo_grains *grains, struct find_notes *notes)
 {
@@ -148,7 +154,8 @@ int find_known_grains(const struct photo *photo, const struct find_options *opti
     const double *x = known->x_seen_px ? known->x_seen_px : known->x_px;
     const double *y = known->y_seen_px ? known->y_seen_px : known->y_px;
     for (size_t k = 0; k < known->count && !status; k++) {
-        struct candidate item = {.rim = {.x = x[k], .y = y[k], .radius = known->radius_px[k]}, .spread = KNOWN_SPREAD};
+        const struct rim rim = {.x = possible(x[k]), .y = possible(y[k]), .radius = possible(known->radius_px[k])};
+        struct candidate item = {.rim = rim, .spread = KNOWN_SPREAD};
         item.captured = item.rim;
         status = candidates_add(&list, &item);
     }
