@@ -83,12 +83,14 @@ enum {
     LARGE,
     NEGATIVE,
     ZEROS,
+    FAR,
     FAULTS
 };
-static const char *const faults[FAULTS] = {
-    "of texts",        "of float32", "of int8",        "of rank 2",        "a scalar",        "one row more",
-    "one row less",    "empty",      "2^40 rows",      "absent",           "a cyclic link",   "an external link",
-    "a dangling link", "a group",    "NaN everywhere", "1e308 everywhere", "-1e9 throughout", "0 everywhere"};
+static const char *const faults[FAULTS] = {"of texts",        "of float32",   "of int8",        "of rank 2",
+                                           "a scalar",        "one row more", "one row less",   "empty",
+                                           "2^40 rows",       "absent",       "a cyclic link",  "an external link",
+                                           "a dangling link", "a group",      "NaN everywhere", "1e308 everywhere",
+                                           "-1e9 throughout", "0 everywhere", "9e5 everywhere"};
 
 /* Something else than a dataset in its place. */
 static int replace_by_link(hid_t file, const char *name, int fault)
@@ -131,7 +133,7 @@ static int replace_by_dataset(hid_t file, const char *name, int fault)
 static int spoil(hid_t file, const char *name, int fault)
 {
     if (fault >= NANS)
-        return fill(file, name, (const double[]){0.0 / 0.0, 1e308, -1e9, 0}[fault - NANS]);
+        return fill(file, name, (const double[]){0.0 / 0.0, 1e308, -1e9, 0, 9e5}[fault - NANS]);
     return fault >= ABSENT ? replace_by_link(file, name, fault) : replace_by_dataset(file, name, fault);
 }
 
