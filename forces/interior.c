@@ -15,6 +15,7 @@ enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalanc
 #define INTERIOR_DATA 1e-6      /* in <fn>, and in 1 / <fn> for the multipliers */
 #define INTERIOR_ROUNDING 1e-15 /* of the largest multiplier: near mechanisms have large ones */
 #define INTERIOR_OFF 1e-2       /* how well s q is its weight, as a share of it */
+#define INTERIOR_ROUGH_OFF 0.3  /* of a rough solution */
 #define BOUNDARY 0.995          /* share of the way to the boundary that a step may go */
 
 static int sides(const struct map *map, size_t c)
@@ -257,8 +258,9 @@ int map_interior(struct map *map, int *iterations)
         residuals(map);
         double before = k < INTERIOR_PATIENCE ? INFINITY : history[k % INTERIOR_PATIENCE];
         history[k % INTERIOR_PATIENCE] = map->balance;
-        if (map->balance <= INTERIOR_BALANCE * map->options->tolerance && map->data <= INTERIOR_DATA + map->rounding &&
-            map->off <= INTERIOR_OFF)
+        if (map->balance <= INTERIOR_BALANCE * map->options->tolerance * map->rough &&
+            map->data <= INTERIOR_DATA * map->rough + map->rounding &&
+            map->off <= (map->rough > 1 ? INTERIOR_ROUGH_OFF : INTERIOR_OFF))
             status = 0;
         else if (k >= INTERIOR_STEPS || !isfinite(map->gap) ||
                  (!map->feasible && map->balance > INTERIOR_STALL && map->balance > 0.5 * before))

@@ -24,6 +24,7 @@ struct map {
     double *forces;          /* 2 per contact */
     double (*s)[2], (*q)[2]; /* distances to the edges of the cone, and their multipliers */
     int warm;                /* these are a solution of a problem like this one */
+    double rough;            /* 1: exact; more: what may be left, over what an exact solution may leave */
     int feasible;            /* unknown loads on every grain can balance anything: there is a solution */
 
     double *error;                       /* e = B' l */

@@ -48,8 +48,13 @@ int map_begin(const struct network *network, const struct force_options *options
               struct map *map)
 {
     size_t n = network->count, dofs = network->dofs, errors = evidence->errors;
-    *map = (struct map){
-        .network = network, .options = options, .evidence = evidence, .dofs = dofs, .count = n, .errors = errors};
+    *map = (struct map){.network = network,
+                        .options = options,
+                        .evidence = evidence,
+                        .rough = 1,
+                        .dofs = dofs,
+                        .count = n,
+                        .errors = errors};
     map->store = calloc(store_size(map), sizeof(double));
     if (!map->store)
         return error_memory("map");

@@ -11,6 +11,7 @@
  * states at kappa = 100, 1000 and 10000 (bench_forces interval). */
 #define CALIBRATION 1.2
 #define DRAW_BARRIER 1e-2 /* of the estimate's: a draw may come close to the edges */
+#define DRAW_ROUGH 1e3    /* far below the spread */
 #define LEAST_SPREAD 1e-3 /* <fn> */
 #define NORMAL_90 1.645   /* standard deviations on each side that hold 90 % */
 
@@ -60,6 +61,7 @@ static int draw_one(const struct map *base, size_t draw, struct map *map, double
     for (size_t c = 0; c < map->count; c++) /* the barrier keeps away from the edges: a draw may come close to them */
         map->weight[c] *= DRAW_BARRIER;
     memcpy(map->variance, base->evidence->variance, 2 * map->count * sizeof(double));
+    map->rough = DRAW_ROUGH;
     int status = map_interior(map, &iterations);
     memcpy(f, map->forces, 2 * map->count * sizeof *f);
     evidence_free(&disturbed);
