@@ -20,7 +20,7 @@
 
 #define DEFECT 1e-9 /* of |K x - value x|, in the units of K */
 #define LEAST_SHIFT 1e-9
-#define CARRIES 1e-4 /* <fn>: 1e-6 to 1e-3 give the same (bench_forces stability) */
+#define CARRIES 1e-4 /* <fn>: 1e-6 to 1e-3 move the figure by 7 % at most (docs/forces_measured.md) */
 
 enum { W = NETWORK_WIDTH };
 
