@@ -82,15 +82,19 @@ int table_speed(const struct bench *bench, const struct packing *truth, const ch
 int table_warm(const struct bench *bench, const struct packing *truth, const char *label)
 {
     static const enum force_start starts[] = {START_ZERO, START_OVERLAP, START_PREVIOUS};
-    for (int method = METHOD_CDM; method <= METHOD_MAP && bench->previous; method++)
+    static const enum force_method methods[] = {METHOD_CDM, METHOD_CDM, METHOD_QSM, METHOD_MAP};
+    for (int m = 0; m < 4 && bench->previous; m++)
         for (int s = 0; s < 3; s++) {
             struct force_options options = bench_options();
-            char name[40];
-            snprintf(name, sizeof name, "%s, %s", FORCE_METHODS[method], FORCE_STARTS[starts[s]]);
+            char name[60];
+            snprintf(name, sizeof name, "%s%s, %s", FORCE_METHODS[methods[m]], m == 1 ? " accelerated" : "",
+                     FORCE_STARTS[starts[s]]);
             options.start = starts[s];
             options.previous = bench->previous;
-            options.tolerance = method == METHOD_CDM ? 1e-3 : FORCE_TOLERANCE;
-            if (bench_measure(truth, truth, &options, (enum force_method)method, label, name))
+            options.tolerance = methods[m] == METHOD_CDM ? 1e-3 : FORCE_TOLERANCE;
+            if (m == 1)
+                options.block = options.anderson = 10;
+            if (bench_measure(truth, truth, &options, methods[m], label, name))
                 return -1;
         }
     return 0;
