@@ -134,6 +134,18 @@ static void small_grains(void **state)
     check_case(hard, 0.09, 0.07, 0.04);
 }
 
+/* Specks as large as a tenth of the rods: the votes of some rims lie on a ridge that leads to smaller circles. */
+static void small_and_specked(void **state)
+{
+    struct hard hard = usual;
+    (void)state;
+    hard.low = 14;
+    hard.high = 35;
+    hard.scenery.dots = 0.2;
+    for (hard.scenery.seed = 31; hard.scenery.seed < 34; hard.scenery.seed++)
+        check_case(hard, 0.09, 0.07, 0.04);
+}
+
 /* Rods of one grey: where they touch there is no edge at all. */
 static void equal_greys(void **state)
 {
@@ -327,6 +339,7 @@ int main(void)
         cmocka_unit_test(low_contrast),
         cmocka_unit_test(sharp_and_soft),
         cmocka_unit_test(small_grains),
+        cmocka_unit_test(small_and_specked),
         cmocka_unit_test(equal_greys),
         cmocka_unit_test(saturation),
         cmocka_unit_test(vignetting),
