@@ -211,6 +211,11 @@ static void the_loop_settles_like_every_cycle(void **state)
     assert_int_equal(full.simulated, 32);
     assert_int_equal(quick.simulated, 24);
     assert_int_equal(quick.jumps, 1);
+    const struct settle_jump *jump = &quick.jump[0];
+    assert_int_equal(jump->cycle, 24);
+    check_near(jump->before, quick.settlement[16], 0);
+    check_near(jump->arrived, quick.settlement[24], 0);
+    check_near(jump->arrived, jump->promised, 0.02 * fabs(jump->promised - jump->before));
     for (size_t c = 0; c <= 16; c++)
         check_near(quick.settlement[c], full.settlement[c], 0); /* the same until the jump */
     assert_true(isnan(quick.settlement[17]));
