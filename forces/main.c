@@ -199,7 +199,8 @@ int main(int argc, char **argv)
         parse_option,
         "N.contacts.hdf [more for --method series]",
         "Contact forces of a packing in equilibrium, from its overlaps, motions and loads.\v"
-        "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains. qsm: projections "
+        "cem: measured motions times stiffness, no equilibrium. cdm: contact dynamics, rigid grains (forces.block 10 "
+        "in the scene accelerates it, forces.colours uses all threads). qsm: projections "
         "onto equilibrium and friction. map: the most likely admissible forces; the one to use. series: map for all "
         "photos of a test together, which share the errors of their reference: better still where the network changes. "
         "Several methods but series stand side by side in one file. Docs: docs/forces.md, docs/series_forces.md.\n\n"
