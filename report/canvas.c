@@ -23,13 +23,22 @@ int canvas_format_of(const char *path, enum canvas_format *format)
     return error_input("%s: no picture format has this ending: name it .png, .svg or .pdf", path);
 }
 
+/* Memory or disk: a failure. Anything else: numbers in the file that no picture can show. */
+static int not_drawn(cairo_status_t status)
+{
+    const char *reason = cairo_status_to_string(status);
+    if (status == CAIRO_STATUS_NO_MEMORY || status == CAIRO_STATUS_WRITE_ERROR)
+        return error_failed("the picture cannot be made: %s: make it smaller", reason);
+    return error_input("the picture cannot be made: %s: look for absurd numbers in the file", reason);
+}
+
 static int start(struct canvas *canvas)
 {
     canvas->cairo = cairo_create(canvas->surface);
     if (cairo_status(canvas->cairo) != CAIRO_STATUS_SUCCESS) {
-        const char *reason = cairo_status_to_string(cairo_status(canvas->cairo));
+        cairo_status_t status = cairo_status(canvas->cairo);
         canvas_discard(canvas);
-        return error_failed("the picture cannot be made: %s: make it smaller", reason);
+        return not_drawn(status);
     }
     cairo_set_source_rgb(canvas->cairo, 1, 1, 1);
     cairo_paint(canvas->cairo);
@@ -150,7 +159,7 @@ int canvas_take(struct canvas *canvas, unsigned char **data, size_t *length)
         return 0;
     free(*data);
     *data = NULL;
-    return error_failed("a picture cannot be made: %s", cairo_status_to_string(status));
+    return not_drawn(status);
 }
 
 /* Choose the font; the width that the text takes in it. */
