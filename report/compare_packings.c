@@ -243,9 +243,11 @@ static void add_stress(const struct packing *packing, const struct forces *force
 static void add_imbalance(const struct packing *a, const struct forces *forces, double mean, struct figures *figures)
 {
     struct spread size = {0};
-    for (size_t k = 0; k < forces->residual.count; k++)
+    const struct residuals *residual = &forces->residual;
+    size_t count = residual->residual_x && residual->residual_y ? residual->count : 0;
+    for (size_t k = 0; k < count; k++)
         if (!(a->grains.flags[k] & (GRAIN_FIXED | GRAIN_DISTRUST)))
-            spread_add(&size, hypot(forces->residual.residual_x[k], forces->residual.residual_y[k]));
+            spread_add(&size, hypot(residual->residual_x[k], residual->residual_y[k]));
     figures_add(figures, "residual_rms_over_fn", spread_rms(&size) / mean, "1",
                 "unbalanced force of A, RMS / <fn> of A");
     figures_add(figures, "residual_max_over_fn", spread_largest(&size) / mean, "1",

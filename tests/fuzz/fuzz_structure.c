@@ -86,8 +86,6 @@ static hid_t some_storage(uint8_t kind, int rank)
         H5Pset_shuffle(storage);
     if ((kind & 17) == 16)
         H5Pset_external(storage, "/etc/hostname", 0, H5F_UNLIMITED);
-    if ((kind & 33) == 32)
-        H5Pset_layout(storage, H5D_COMPACT);
     return storage;
 }
 
