@@ -166,7 +166,7 @@ int contact_network_build(const struct contact_input *input, const struct contac
                                     .grains = &packing->grains,
                                     .reference = reference,
                                     .patches = input->patches,
-                                    .statistics = &network->bearing,
+                                    .statistics = {&network->bearing, &network->idle_pairs, network->idle},
                                     .frame_error_px = options->frame_error_px};
     pairs_free(&network->pairs);
     frame_free(&network->frame);

@@ -44,7 +44,7 @@ static int reference_lines(const struct frame_request *request, struct wall_line
 {
     lines_of_frame(request, lines);
     for (int k = 0; k < SIDES; k++)
-        if (support_fit(request->grains, request->reference, request->statistics, &lines[k]))
+        if (support_fit(request->grains, request->reference, &request->statistics, &lines[k]))
             return -1;
     return 0;
 }
@@ -60,8 +60,8 @@ static int current_lines(const struct frame_request *request, struct wall_line l
             s_motion[k] = sqrt(fmax(0, lines[k].s_offset * lines[k].s_offset - before * before));
             continue;
         }
-        if (support_follow(request->grains, request->reference, request->statistics, &lines[k]) ||
-            support_fit(request->grains, NULL, request->statistics, &lines[k]))
+        if (support_follow(request->grains, request->reference, &request->statistics, &lines[k]) ||
+            support_fit(request->grains, NULL, &request->statistics, &lines[k]))
             return -1;
         s_motion[k] = hypot(before, lines[k].s_offset);
     }

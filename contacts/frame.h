@@ -16,7 +16,7 @@ struct frame_request {
     const struct grains *grains;   /* of this state */
     const struct vec *reference;   /* m: positions in the reference photo; NULL: this state is the reference */
     const struct patches *patches; /* NULL: none */
-    const struct pair_statistics *statistics;
+    struct rim_statistics statistics;
     double frame_error_px; /* of the corners in the scene; 0: exact, the grains are not asked */
 };
 

@@ -13,6 +13,7 @@ enum { GRID = 25, MAX_ZOOMS = 16, MAX_FOLLOWED = 400 };
 struct rim_point {
     double out, arm, s;
     struct vec was, is;
+    const struct pair_statistics *statistics;
 };
 
 struct rim_points {
@@ -26,8 +27,8 @@ void wall_line_shift(struct wall_line *line, double offset, double tilt)
     line->along = vec_rotate(line->along, -atan(tilt));
 }
 
-static int collect(const struct grains *grains, const struct vec *positions, const struct wall_line *line, double depth,
-                   struct rim_points *rim)
+static int collect(const struct grains *grains, const struct vec *positions, const struct rim_statistics *statistics,
+                   const struct wall_line *line, double depth, struct rim_points *rim)
 {
     struct vec outward = vec_scale(-1, wall_line_inward(line));
     *rim = (struct rim_points){.points = malloc((grains->count + 1) * sizeof *rim->points)};
@@ -42,7 +43,9 @@ static int collect(const struct grains *grains, const struct vec *positions, con
                                   .arm = vec_dot(from, line->along),
                                   .s = sqrt(rim_variance(grains, k, outward)),
                                   .was = at,
-                                  .is = now};
+                                  .is = now,
+                                  .statistics = statistics->idle && statistics->idle[k] ? statistics->idle_pairs
+                                                                                        : statistics->bearing};
         if (point.out > -depth && fabs(point.arm) < line->half_length)
             rim->points[rim->count++] = point;
     }
@@ -55,15 +58,14 @@ struct posterior {
     double mean[2], sd[2];
 };
 
-static double log_posterior(const struct rim_points *rim, const struct pair_statistics *statistics,
-                            const struct wall_line *prior, double offset, double tilt)
+static double log_posterior(const struct rim_points *rim, const struct wall_line *prior, double offset, double tilt)
 {
     double value = -0.5 * pow(offset / prior->s_offset, 2);
     if (prior->s_angle > 0)
         value -= 0.5 * pow(tilt / prior->s_angle, 2);
     for (size_t k = 0; k < rim->count; k++) {
         const struct rim_point *point = &rim->points[k];
-        value += pair_odds(statistics, point->out - offset - tilt * point->arm, point->s).log_density;
+        value += pair_odds(point->statistics, point->out - offset - tilt * point->arm, point->s).log_density;
     }
     return value;
 }
@@ -73,13 +75,12 @@ static double grid_value(const struct posterior *p, int axis, int step)
     return p->centre[axis] + p->half[axis] * (2.0 * step / (GRID - 1) - 1);
 }
 
-static void grid_moments(const struct rim_points *rim, const struct pair_statistics *statistics,
-                         const struct wall_line *prior, struct posterior *p)
+static void grid_moments(const struct rim_points *rim, const struct wall_line *prior, struct posterior *p)
 {
     double value[GRID][GRID], best = -INFINITY, weight = 0, sum[2] = {0, 0}, square[2] = {0, 0};
     for (int a = 0; a < GRID; a++)
         for (int b = 0; b < GRID; b++) {
-            value[a][b] = log_posterior(rim, statistics, prior, grid_value(p, 0, a), grid_value(p, 1, b));
+            value[a][b] = log_posterior(rim, prior, grid_value(p, 0, a), grid_value(p, 1, b));
             best = fmax(best, value[a][b]);
         }
     for (int a = 0; a < GRID; a++)
@@ -99,19 +100,19 @@ static void grid_moments(const struct rim_points *rim, const struct pair_statist
     }
 }
 
-int support_fit(const struct grains *grains, const struct vec *positions, const struct pair_statistics *statistics,
+int support_fit(const struct grains *grains, const struct vec *positions, const struct rim_statistics *statistics,
                 struct wall_line *line)
 {
     struct rim_points rim;
     struct posterior p = {.half = {PRIOR_REACH * line->s_offset, PRIOR_REACH * line->s_angle}};
     if (!(line->s_offset > 0))
         return 0;
-    double depth = p.half[0] + p.half[1] * line->half_length + statistics->window;
-    if (collect(grains, positions, line, depth, &rim))
+    double depth = p.half[0] + p.half[1] * line->half_length + statistics->bearing->window;
+    if (collect(grains, positions, statistics, line, depth, &rim))
         return -1;
     for (int zoom = 0; zoom < MAX_ZOOMS; zoom++) {
         int coarse = 0;
-        grid_moments(&rim, statistics, line, &p);
+        grid_moments(&rim, line, &p);
         for (int axis = 0; axis < 2; axis++) {
             double step = 2 * p.half[axis] / (GRID - 1);
             double half = fmax(ZOOM_REACH * p.sd[axis], 1.5 * step);
@@ -157,11 +158,11 @@ static double median_turn(const struct rim_points *rim, double half_length, doub
 }
 
 /* Keep the points that touch the line, at most MAX_FOLLOWED of them, evenly chosen. */
-static void keep_touching(struct rim_points *rim, const struct pair_statistics *statistics)
+static void keep_touching(struct rim_points *rim)
 {
     size_t kept = 0, stride;
     for (size_t k = 0; k < rim->count; k++)
-        if (pair_odds(statistics, rim->points[k].out, rim->points[k].s).apart < 0.5)
+        if (pair_odds(rim->points[k].statistics, rim->points[k].out, rim->points[k].s).apart < 0.5)
             rim->points[kept++] = rim->points[k];
     stride = kept / MAX_FOLLOWED + 1;
     rim->count = 0;
@@ -196,20 +197,20 @@ static void follow(const struct rim_points *rim, double overlap, double *room, s
     line->s_angle = hypot(line->s_angle, n > 2 ? 2 * spread / (line->half_length * sqrt((double)n)) : 0);
 }
 
-int support_follow(const struct grains *grains, const struct vec *before, const struct pair_statistics *statistics,
+int support_follow(const struct grains *grains, const struct vec *before, const struct rim_statistics *statistics,
                    struct wall_line *line)
 {
     struct rim_points rim;
-    if (collect(grains, before, line, statistics->window, &rim))
+    if (collect(grains, before, statistics, line, statistics->bearing->window, &rim))
         return -1;
-    keep_touching(&rim, statistics);
+    keep_touching(&rim);
     double *room = malloc((rim.count * (rim.count + 1) / 2 + 1) * sizeof *room);
     if (!room) {
         free(rim.points);
         return error_memory("motion of a wall");
     }
     if (rim.count)
-        follow(&rim, pair_mean_overlap(statistics), room, line);
+        follow(&rim, pair_mean_overlap(statistics->bearing), room, line);
     free(room);
     free(rim.points);
     return 0;

@@ -17,6 +17,13 @@ struct wall_line {
     double s_offset, s_angle; /* m, rad: errors along the normal at the middle, and of the direction */
 };
 
+/* How rims near a wall are spread: of grains that are held, and of idle ones (NULL: none is), which lie at zero when
+ * they touch the wall at all. */
+struct rim_statistics {
+    const struct pair_statistics *bearing, *idle_pairs;
+    const unsigned char *idle;
+};
+
 static inline struct vec wall_line_inward(const struct wall_line *line)
 {
     return vec_turn(line->along);
@@ -26,13 +33,13 @@ static inline struct vec wall_line_inward(const struct wall_line *line)
 void wall_line_shift(struct wall_line *line, double offset, double tilt);
 
 /* Refine the line with the grains at these positions (NULL: where the table has them); its errors are the prior's. */
-int support_fit(const struct grains *grains, const struct vec *positions, const struct pair_statistics *statistics,
+int support_fit(const struct grains *grains, const struct vec *positions, const struct rim_statistics *statistics,
                 struct wall_line *line);
 
 /* Predict where the line has moved from the motion of the grains that lay on it: the rigid motion whose rotation is the
  * median of those of the segments between two of them (as in Theil 1950, Sen 1968) and whose shift is the median of
  * theirs. The errors grow by what such a motion leaves open. */
-int support_follow(const struct grains *grains, const struct vec *before, const struct pair_statistics *statistics,
+int support_follow(const struct grains *grains, const struct vec *before, const struct rim_statistics *statistics,
                    struct wall_line *line);
 
 #endif

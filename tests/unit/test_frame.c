@@ -42,6 +42,8 @@ static struct wall_line bottom_line(double s_offset_px)
 static const struct pair_statistics usual = {
     .touching = 0.9, .resting = 1e-6, .apart = 0.1, .scale = 0.1 * PX, .flat = 0.96, .wide = 0.02, .window = 0.5 * PX};
 
+static const struct rim_statistics usual_rims = {.bearing = &usual};
+
 /* Found offset and tilt against the truth, in units of their stated errors, over many draws. */
 static void test_line_from_grains(void **state)
 {
@@ -53,7 +55,7 @@ static void test_line_from_grains(void **state)
         double offset = check_normal(&seed), tilt = 1e-3 * check_normal(&seed);
         struct grains g = row_on_wall(50, offset, tilt, 0.02, &seed);
         struct wall_line line = bottom_line(1);
-        check_done(support_fit(&g, NULL, &usual, &line));
+        check_done(support_fit(&g, NULL, &usual_rims, &line));
         double found = -line.middle.y / PX, turned = -atan2(line.along.y, line.along.x);
         squares[0] += pow((found - offset) / (line.s_offset / PX), 2);
         squares[1] += pow((turned - tilt) / line.s_angle, 2);
@@ -75,7 +77,7 @@ static void test_line_without_grains_keeps_the_prior(void **state)
     (void)state;
     struct grains none = {0};
     struct wall_line line = bottom_line(1);
-    check_done(support_fit(&none, NULL, &usual, &line));
+    check_done(support_fit(&none, NULL, &usual_rims, &line));
     check_near(line.middle.y, 0, 1e-12);
     check_near(line.s_offset, 1 * PX, 0.02 * PX);
     check_near(line.s_angle, M_SQRT2 / 1000, 3e-5);
@@ -87,7 +89,7 @@ static void test_exact_line_is_left_alone(void **state)
     uint64_t seed = 5;
     struct grains g = row_on_wall(20, 0.5, 0, 0.02, &seed);
     struct wall_line line = bottom_line(0);
-    check_done(support_fit(&g, NULL, &usual, &line));
+    check_done(support_fit(&g, NULL, &usual_rims, &line));
     check_near(line.middle.y, 0, 0);
     check_near(line.s_offset, 0, 0);
     table_free(&GRAINS, &g);
@@ -110,10 +112,10 @@ static void test_line_follows_the_grains(void **state)
         g.y[k] = now.y;
     }
     struct wall_line line = bottom_line(1);
-    check_done(support_fit(&g, before, &usual, &line));
+    check_done(support_fit(&g, before, &usual_rims, &line));
     check_near(line.middle.y, 0, 0.03 * PX);
-    check_done(support_follow(&g, before, &usual, &line));
-    check_done(support_fit(&g, NULL, &usual, &line));
+    check_done(support_follow(&g, before, &usual_rims, &line));
+    check_done(support_fit(&g, NULL, &usual_rims, &line));
     check_near(atan2(line.along.y, line.along.x), turn, 1e-4);
     check_near(vec_dot(vec_sub(line.middle, moved), wall_line_inward(&line)), 0, 0.03 * PX);
     free(before);
@@ -162,7 +164,7 @@ static void test_walls_follow_markers(void **state)
                                     .grains = &none,
                                     .reference = no_reference,
                                     .patches = &patches,
-                                    .statistics = &usual,
+                                    .statistics = {.bearing = &usual},
                                     .frame_error_px = 0};
     struct frame frame;
     check_done(frame_walls(&request, &frame));
@@ -192,7 +194,7 @@ static void test_no_frame_no_walls(void **state)
     struct scene scene = frame_scene();
     scene.frame.given = 0;
     struct grains none = {0};
-    struct frame_request request = {.scene = &scene, .grains = &none, .statistics = &usual};
+    struct frame_request request = {.scene = &scene, .grains = &none, .statistics = {.bearing = &usual}};
     struct frame frame;
     check_done(frame_walls(&request, &frame));
     assert_int_equal(frame.now.count, 0);
