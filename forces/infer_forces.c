@@ -87,19 +87,21 @@ static int judge(const struct packing *packing, const struct network *network, c
     return 0;
 }
 
+#define STATUS_MARGIN 1e-9 /* far above rounding, which depends on the compiler */
+
 /* `margin`: how near to the corner (in <fn>) and to the edges (as a share) of its cone a contact counts as open or
  * slipping: map's forces are means over what is possible, which lie inside. */
 static uint32_t status_of(double mu, double fn, double ft, double margin)
 {
     if (fn <= margin)
         return STATUS_OPEN;
-    return mu > 0 && fabs(ft) >= mu * fn * (1 - fmax(1e-9, margin)) ? STATUS_SLIP : STATUS_STICK;
+    return mu > 0 && fabs(ft) >= mu * fn * (1 - margin) ? STATUS_SLIP : STATUS_STICK;
 }
 
 static void store_contacts(const struct network *network, enum force_method method, const double *f,
                            struct contact_forces *out)
 {
-    double margin = method == METHOD_MAP ? MAP_MARGIN : 0;
+    double margin = method == METHOD_MAP ? MAP_MARGIN : STATUS_MARGIN;
     for (size_t c = 0; c < out->count; c++) {
         out->fn[c] = out->ft[c] = 0;
         out->status[c] = STATUS_NOT_USED;

@@ -53,7 +53,7 @@ static const char help[] =
     "about "
     "a thousandth of a pixel. A grain that is not found keeps its row, is flagged, and is looked for again in the next "
     "photo. Give the photos in the order of the test.\n\n"
-    "Scene: \"tracker\": {\"subset\": 0.8, \"search_px\": 64, \"search_deg\": 25}; \"drift_patches_px\": fixed "
+    "Scene: \"tracker\": {\"subset\": 0.8, \"search_px\": 64, \"search_deg\": 60}; \"drift_patches_px\": fixed "
     "speckled "
     "paper, the camera's own motion is undone; \"frame\": {\"markers_px\"}: speckled marks on the walls; \"lens\": a "
     "file of calibration lens, undone.\n\n"

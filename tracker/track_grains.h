@@ -22,7 +22,7 @@ struct tracker_options {
 };
 #define TRACKER_SUBSET 0.8
 #define TRACKER_SEARCH_PX 64
-#define TRACKER_SEARCH_DEG 25
+#define TRACKER_SEARCH_DEG 60
 #define TRACKER_DEFAULT                                                                                                \
     {                                                                                                                  \
         .subset = TRACKER_SUBSET, .search_px = TRACKER_SEARCH_PX, .search_deg = TRACKER_SEARCH_DEG                     \

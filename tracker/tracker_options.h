@@ -1,4 +1,4 @@
-/* The scene's part of the tracker: {"tracker": {"subset": 0.8, "search_px": 64, "search_deg": 25}}, the patches of
+/* The scene's part of the tracker: {"tracker": {"subset": 0.8, "search_px": 64, "search_deg": 60}}, the patches of
  * paper and the markers of the walls. */
 #ifndef TRACKER_TRACKER_OPTIONS_H
 #define TRACKER_TRACKER_OPTIONS_H
