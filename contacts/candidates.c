@@ -129,6 +129,16 @@ int candidates_with_walls(const struct grains *grains, const struct walls *walls
     return 0;
 }
 
+double pairs_median_error(const struct pairs *pairs)
+{
+    double *s = malloc((pairs->count + 1) * sizeof *s);
+    for (size_t p = 0; s && p < pairs->count; p++)
+        s[p] = pairs->pair[p].s_overlap;
+    double error = s ? median(s, pairs->count) : 0;
+    free(s);
+    return error;
+}
+
 void pairs_free(struct pairs *pairs)
 {
     free(pairs->pair);

@@ -20,25 +20,6 @@ static int is_idle(const struct contact_network *network, const struct grains *g
     return network->idle && (network->idle[pair->i] || ((size_t)pair->j < grains->count && network->idle[pair->j]));
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_error(const struct pairs *pairs)
-{
-    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
-    for (size_t p = 0; s && p < pairs->count; p++)
-        s[p] = pairs->pair[p].s_overlap;
-    if (s && pairs->count) {
-        qsort(s, pairs->count, sizeof *s, by_value);
-        value = s[pairs->count / 2];
-    }
-    free(s);
-    return value;
-}
-
 /* The statistics of both kinds of pairs between trusted grains. */
 static int learn(const struct grains *grains, struct contact_network *network)
 {
@@ -56,7 +37,7 @@ static int learn(const struct grains *grains, struct contact_network *network)
     if (status == 0) {
         /* between grains that are held, nothing rests: what is near zero is a weak contact or a narrow gap */
         int rests = !network->idle && !network->unbalanced;
-        network->error = median_error(&network->pairs);
+        network->error = pairs_median_error(&network->pairs);
         pair_statistics_fit(x, s, n, network->window, rests, NULL, &network->bearing);
         double near = fmin(network->window, fmax(pair_mean_overlap(&network->bearing), 6 * network->error));
         pair_statistics_fit(x, s, n, near, rests, &network->bearing, &network->bearing);
@@ -82,7 +63,8 @@ static void weigh(const struct grains *grains, struct contact_network *network)
 static void count_overlaps(const struct grains *grains, double px, struct contact_network *network)
 {
     struct overlap_histogram *histogram = &network->histogram;
-    double error = median_error(&network->pairs), reach = fmax(4 * pair_mean_overlap(&network->bearing), 6 * error);
+    double error = pairs_median_error(&network->pairs),
+           reach = fmax(4 * pair_mean_overlap(&network->bearing), 6 * error);
     double width = 2 * reach / HISTOGRAM_BINS;
     *histogram = (struct overlap_histogram){.low_px = -reach / px, .width_px = width / px};
     for (size_t p = 0; p < network->pairs.count; p++) {

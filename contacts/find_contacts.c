@@ -194,19 +194,6 @@ static int build(struct search *search)
                : 0;
 }
 
-static double median_error(const struct pairs *pairs)
-{
-    double *s = malloc((pairs->count + 1) * sizeof *s), value = 0;
-    for (size_t p = 0; s && p < pairs->count; p++)
-        s[p] = pairs->pair[p].s_overlap;
-    if (s && pairs->count) {
-        qsort(s, pairs->count, sizeof *s, by_value);
-        value = s[pairs->count / 2];
-    }
-    free(s);
-    return value;
-}
-
 static double resting_share(const struct contact_network *network)
 {
     double bearing = (double)network->bearing.pairs, idle = (double)network->idle_pairs.pairs;
@@ -231,7 +218,7 @@ static void summarise(const struct search *search, struct contact_summary *summa
         .histogram = search->network.histogram,
         .mechanisms = NAN,
         .indeterminacy = NAN,
-        .s_overlap_px = median_error(&search->network.pairs) / scale};
+        .s_overlap_px = pairs_median_error(&search->network.pairs) / scale};
     for (size_t k = 0; k < packing->grains.count; k++) {
         summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;
         summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;

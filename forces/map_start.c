@@ -11,6 +11,7 @@
 
 #define FIRST_GAP 10  /* s q at the start: about that of overlaps wrong by a few <fn> */
 #define PARALLEL 1e-9 /* two contacts whose equations are this near to dependent are left alone */
+#define EDGE 1e-9     /* of the larger force: nearer than this to the edge of a cone is inside */
 
 /* Contacts of one grain that may carry force: how many, and the first two. */
 struct bearing {
@@ -37,13 +38,14 @@ static int balance_two(const struct network_contact *const contact[2], const int
 
 static int can_hold(const struct network_contact *const contact[2], const int at[2])
 {
-    double v[4];
+    double v[4], edge;
     if (!balance_two(contact, at, v))
         return 1;
+    edge = EDGE * fmax(fabs(v[0]), fabs(v[2]));
     for (int sign = -1; sign <= 1; sign += 2) {
         int inside = 1;
         for (int k = 0; k < 2; k++)
-            inside &= sign * v[2 * k] > 0 && fabs(v[2 * k + 1]) <= contact[k]->mu * sign * v[2 * k];
+            inside &= sign * v[2 * k] > 0 && fabs(v[2 * k + 1]) <= contact[k]->mu * sign * v[2 * k] + edge;
         if (inside)
             return 1;
     }

@@ -101,7 +101,6 @@ static void virial_of_leaning_walls(void **state)
     check_near(network.virial * network.force * network.radius, virial, 1e-9 * virial);
     network_free(&network);
     options.start = START_OVERLAP, options.rescale = 1;
-    options.law.mu_wall = options.law.mu; /* on frictionless walls map ends at 9e-6 here (docs/forces.md, limits) */
     for (int method = METHOD_QSM; method <= METHOD_MAP; method++) {
         infer_and_check(&packing, &options, (enum force_method)method, &forces);
         assert_true(forces.converged);
