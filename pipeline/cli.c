@@ -13,7 +13,9 @@
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
 #include "pipeline/number.h"
+#include "pipeline/photo.h"
 #include "pipeline/progress.h"
+#include "pipeline/scene.h"
 
 static FILE *log_file;
 static const char *log_path;
@@ -28,7 +30,7 @@ static double seconds_since(const struct timespec *then)
 
 /* ---- options ---- */
 
-enum { KEY_SCENE = 0x1000, KEY_LOG, KEY_THREADS, KEY_MAX_FLAGGED };
+enum { KEY_SCENE = 0x1000, KEY_LOG, KEY_THREADS, KEY_MAX_FLAGGED, KEY_ALLOW_OUTSIDE, KEY_MAX_PIXELS };
 
 static const struct argp_option options[] = {
     {"scene", KEY_SCENE, "SCENE.json", 0, "The description of the experiment", 0},
@@ -40,6 +42,9 @@ static const struct argp_option options[] = {
     {"max-flagged", KEY_MAX_FLAGGED, "SHARE", 0,
      "Exit with status 4 when a larger share of the rows is flagged (default 0.05); the output is written all the same",
      0},
+    {"allow-outside", KEY_ALLOW_OUTSIDE, NULL, 0,
+     "The scene may name files outside its own folder: absolute paths, '..', links that lead out of it", 0},
+    {"max-pixels", KEY_MAX_PIXELS, "N", 0, "Refuse photos of more than N pixels (default 2^30) before reading them", 0},
     {0}};
 
 /* Runs after every parser has seen the whole command line, so a program can still change what it needs. */
@@ -53,11 +58,23 @@ static void check_and_apply(const struct argp_state *state, const struct cli *cl
         omp_set_num_threads(cli->threads);
     if (cli->quiet)
         progress_silence();
+    if (cli->allow_outside)
+        scene_allow_outside();
+    if (cli->max_pixels > 0)
+        photo_limit_pixels((size_t)cli->max_pixels);
     log_path = cli->log;
     if (log_path && !(log_file = fopen(log_path, "w"))) {
         fprintf(stderr, "%s: %s: %s: name a file that can be written\n", state->name, log_path, strerror(errno));
         exit(EXIT_FAILED);
     }
+}
+
+static double whole_number(const struct argp_state *state, const char *option, const char *text, double min, double max)
+{
+    double number = cli_number(state, option, text, min, max);
+    if (number != floor(number))
+        argp_error(state, "%s %s: give a whole number", option, text);
+    return number;
 }
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -73,13 +90,15 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case KEY_LOG:
         cli->log = argument;
         break;
-    case KEY_THREADS: {
-        double threads = cli_number(state, "--threads", argument, 0, 4096);
-        if (threads != floor(threads))
-            argp_error(state, "--threads %s: give a whole number", argument);
-        cli->threads = (int)threads;
+    case KEY_THREADS:
+        cli->threads = (int)whole_number(state, "--threads", argument, 0, 4096);
         break;
-    }
+    case KEY_ALLOW_OUTSIDE:
+        cli->allow_outside = 1;
+        break;
+    case KEY_MAX_PIXELS:
+        cli->max_pixels = whole_number(state, "--max-pixels", argument, 1, (double)PHOTO_MAX_PIXELS);
+        break;
     case 'q':
         cli->quiet = 1;
         break;

@@ -21,6 +21,8 @@ struct cli {
     int threads;        /* --threads; 0: as many as the machine has */
     int quiet;          /* --quiet */
     double max_flagged; /* --max-flagged */
+    int allow_outside;  /* --allow-outside */
+    double max_pixels;  /* --max-pixels; 0: PHOTO_MAX_PIXELS */
     unsigned needs;     /* CLI_NEEDS_*: a missing option is a usage error */
 };
 #define CLI_MAX_FLAGGED 0.05

@@ -36,7 +36,8 @@ int json_array(const struct json *json, const cJSON *object, const char *key, co
 /* One of the NULL-terminated words; *value is its position. */
 int json_choice(const struct json *json, const cJSON *object, const char *key, const char *const words[], int *value);
 
-/* Text with 17 significant digits and no spaces, to be freed with free(); NULL when out of memory or not finite. */
+/* Text with 17 significant digits and no spaces, to be freed with free(); NULL when not finite or out of memory, also
+ * when memory was out while a tree was built: the calls cJSON_Add...() need no check of their own. */
 char *json_print(const cJSON *item);
 
 #endif

@@ -1,10 +1,30 @@
 #include "pipeline/json.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "pipeline/error.h"
+
+/* cJSON_AddNumberToObject() and its like return NULL when memory is gone, and the object then lacks a member. Rather
+ * than at hundreds of calls this is noticed here: cJSON allocates through remember_failure(), and nothing is printed
+ * after a failure, since nobody knows which object it was. */
+static atomic_int memory_failed;
+
+static void *remember_failure(size_t size)
+{
+    void *block = malloc(size);
+    if (!block)
+        memory_failed = 1;
+    return block;
+}
+
+/* Before any tree is built; a library has no other moment. */
+__attribute__((constructor)) static void watch_memory(void)
+{
+    cJSON_InitHooks(&(cJSON_Hooks){remember_failure, free});
+}
 
 static int print_item(FILE *out, const cJSON *item);
 
@@ -61,7 +81,7 @@ char *json_print(const cJSON *item)
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    FILE *out = memory_failed ? NULL : open_memstream(&text, &size);
     if (!out) {
         error_set(EXIT_FAILED, "out of memory: JSON text: use a machine with more memory");
         return NULL;

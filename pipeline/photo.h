@@ -9,6 +9,7 @@ struct photo {
     int width, height;
     int bits;         /* per sample in the file: 8 or 16 */
     uint16_t *pixels; /* row-major, width * height */
+    char taken[20];   /* what the camera's clock said, "2018:05:17 14:03:59" (TIFF DateTime); "": not in the file */
 };
 
 enum photo_channel { PHOTO_GREY_ONLY, PHOTO_RED, PHOTO_GREEN, PHOTO_BLUE, PHOTO_GREY_OF_RGB };
@@ -18,9 +19,10 @@ struct photo_request {
     int width, height;          /* 0: any; else another size is an error */
     enum photo_channel channel; /* PHOTO_GREY_ONLY: an RGB file is an error that names the scene's key photos.channel;
                                    PHOTO_GREY_OF_RGB: (299 R + 587 G + 114 B + 500) / 1000 */
-    size_t max_pixels;          /* 0: PHOTO_MAX_PIXELS */
 };
 #define PHOTO_MAX_PIXELS ((size_t)1 << 30)
+/* From now on this process refuses photos of more pixels than this (--max-pixels), before any memory is asked for. */
+void photo_limit_pixels(size_t most);
 
 /* Read page 1 of a TIFF: 8- or 16-bit grey (MinIsBlack or MinIsWhite, the latter inverted) or RGB as requested; strips
  * or tiles; none, LZW or Deflate with or without predictor; both byte orders; BigTIFF. Everything else, more than one

@@ -34,17 +34,21 @@ static uint16_t tag(const struct source *source, uint32_t name, uint16_t otherwi
     return TIFFGetFieldDefaulted(source->tiff, name, &value) ? value : otherwise;
 }
 
+static size_t most_pixels = PHOTO_MAX_PIXELS;
+
+void photo_limit_pixels(size_t most)
+{
+    most_pixels = most < PHOTO_MAX_PIXELS ? most : PHOTO_MAX_PIXELS;
+}
+
 static int check_size(struct source *source, const struct photo_request *request)
 {
-    size_t most = request->max_pixels ? request->max_pixels : PHOTO_MAX_PIXELS;
-    if (most > PHOTO_MAX_PIXELS)
-        most = PHOTO_MAX_PIXELS;
     TIFFGetField(source->tiff, TIFFTAG_IMAGEWIDTH, &source->width);
     TIFFGetField(source->tiff, TIFFTAG_IMAGELENGTH, &source->height);
     if (source->width == 0 || source->height == 0 || source->width > INT_MAX || source->height > INT_MAX ||
-        (uint64_t)source->width * source->height > most)
-        return error_input("%s: %u x %u pixels: give a photo of 1 to %zu pixels", source->path, source->width,
-                           source->height, most);
+        (uint64_t)source->width * source->height > most_pixels)
+        return error_input("%s: %u x %u pixels: give a photo of 1 to %zu pixels (--max-pixels)", source->path,
+                           source->width, source->height, most_pixels);
     if ((request->width && source->width != (uint32_t)request->width) ||
         (request->height && source->height != (uint32_t)request->height))
         return error_input("%s: has %u x %u pixels, %d x %d are expected (scene: photos.size_px): take photos of one "
@@ -159,6 +163,19 @@ static int check_header(struct source *source, const struct photo_request *reque
                : 0;
 }
 
+/* "YYYY:MM:DD HH:MM:SS", whose order as text is that of time; anything else is taken for no time. */
+static void read_time(const struct source *source, char taken[20])
+{
+    static const char form[] = "0000:00:00 00:00:00";
+    const char *text = NULL;
+    if (!TIFFGetField(source->tiff, TIFFTAG_DATETIME, &text) || !text || strlen(text) != strlen(form))
+        return;
+    for (size_t k = 0; form[k]; k++)
+        if (form[k] == '0' ? text[k] < '0' || text[k] > '9' : text[k] != form[k])
+            return;
+    memcpy(taken, text, sizeof form);
+}
+
 /* ---- the pixels ---- */
 
 static uint16_t grey_of(unsigned red, unsigned green, unsigned blue)
@@ -256,6 +273,7 @@ static int read_pixels(const struct source *source, struct photo *photo)
     if (photo_alloc(photo, (int)source->width, (int)source->height))
         return error_context("%s", source->path);
     photo->bits = source->bits;
+    read_time(source, photo->taken);
     int result = TIFFIsTiled(source->tiff) ? read_tiles(source, photo)
                  : source->samples == 1    ? read_grey_strips(source, photo)
                                            : read_rgb_strips(source, photo);

@@ -63,6 +63,10 @@ struct scene {
     char *loads;        /* path, joined to the folder; NULL: no loads */
 };
 
+/* What a scene names lies in the scene's own folder: absolute paths, "..", and symbolic links that lead out of it are
+ * refused (EXIT_INPUT), so that a scene from somebody else reads nothing of yours. After scene_allow_outside()
+ * (--allow-outside) this process takes them. */
+void scene_allow_outside(void);
 int scene_read(const char *path, struct scene *scene);
 void scene_free(struct scene *scene); /* accepts a zeroed struct */
 

@@ -25,6 +25,7 @@ struct provenance {
     size_t input_count;
     int64_t index;                      /* of the photo in its series; -1: not known */
     double time_s;                      /* since the first photo; NaN: not known */
+    const char *taken;                  /* photo.taken; NULL or "": not known */
     const char *coordinates;            /* photo side: "seen" or "corrected"; SI side: "si" */
     double strain[3];                   /* exx, eyy, gamma from the walls since the reference; NaN: not known */
     double length_m;                    /* of the rods; NaN: not known. Attribute length_m of the root */
@@ -42,6 +43,7 @@ struct state_info {
     char *parameters, *inputs; /* JSON text */
     int64_t index;
     double time_s, strain[3], length_m;
+    char taken[20];
 };
 void state_info_free(struct state_info *info);
 

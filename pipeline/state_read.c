@@ -89,6 +89,7 @@ int state_read_info(const struct state *state, struct state_info *info)
     info->time_s = info->length_m = info->strain[0] = info->strain[1] = info->strain[2] = NAN;
     if (state_read_text(state, "/", "stage", info->stage, sizeof info->stage) < 0 ||
         state_read_text(state, "/", "coordinates", info->coordinates, sizeof info->coordinates) < 0 ||
+        state_read_text(state, "/", "taken", info->taken, sizeof info->taken) < 0 ||
         state_read_text(state, "/", "program_version", info->program_version, sizeof info->program_version) < 0 ||
         state_attribute_text(state, "/", "parameters", &info->parameters) < 0 ||
         state_attribute_text(state, "/", "inputs", &info->inputs) < 0 ||

@@ -313,8 +313,8 @@ static char *describe_inputs(const struct provenance *provenance)
     int result = provenance->scene ? add_scene(array, provenance->scene, provenance->stage) : 0;
     for (size_t k = 0; k < provenance->input_count && result == 0; k++)
         result = add_file(array, provenance->input_paths[k]);
-    if (result == 0 && !(text = cJSON_PrintUnformatted(array)))
-        (void)error_memory("the list of inputs");
+    if (result == 0)
+        text = json_print(array);
     cJSON_Delete(array);
     return text;
 }
@@ -332,6 +332,8 @@ static int write_provenance(struct state_writer *writer, const struct provenance
                  state_write_text(writer, "/", "parameters", provenance->parameters ? provenance->parameters : "{}") ||
                  state_write_text(writer, "/", "inputs", inputs) || write_integer(writer, "index", provenance->index) ||
                  state_write_numbers(writer, "/", "time_s", &provenance->time_s, 1);
+    if (!failed && provenance->taken && *provenance->taken)
+        failed = state_write_text(writer, "/", "taken", provenance->taken);
     if (!failed && provenance->coordinates)
         failed = state_write_text(writer, "/", "coordinates", provenance->coordinates);
     if (!failed && !(isnan(strain[0]) && isnan(strain[1]) && isnan(strain[2])))

@@ -116,7 +116,8 @@ int page_write(const struct page *page, const struct series *series, struct html
     fputs("</h1>\n<p class=\"small\">", html->stream);
     html_format(html, "%zu states. Written by: %s.", series->count, series->versions);
     fputs("</p>\n", html->stream);
-    page_warnings(series, html);
+    if (page_warnings(series, html))
+        return -1;
     if (page->truth_folder && page_truth(page, series, html))
         return -1;
     if (page_curves(series, html))

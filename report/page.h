@@ -19,7 +19,7 @@ struct page {
 int page_write(const struct page *page, const struct series *series, struct html *html);
 
 /* Parts of it. */
-void page_warnings(const struct series *series, struct html *html);
+int page_warnings(const struct series *series, struct html *html);
 void page_photos(const struct series *series, struct html *html);
 void page_states(const struct series *series, struct html *html);
 void page_stresses(const struct series *series, struct html *html);

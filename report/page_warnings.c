@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/error.h"
 #include "report/page.h"
 
 static const double FLAGGED_SHARE = 0.05, ZNCC_LOW = 0.9, STRESS_MISFIT = 0.10, IMBALANCE = 0.05, DATA_MISFIT = 1.5;
@@ -147,10 +148,58 @@ static void warn_gaps(struct warnings *warnings, const struct series *series)
     }
 }
 
-void page_warnings(const struct series *series, struct html *html)
+/* By the camera's clock, where it is known. */
+static void warn_order(struct warnings *warnings, const struct series *series)
+{
+    const struct series_row *before = NULL;
+    char text[300];
+    for (size_t k = 0; k < series->count; k++) {
+        const struct series_row *row = &series->rows[k];
+        if (!*row->taken)
+            continue;
+        if (before && strcmp(row->taken, before->taken) < 0) {
+            snprintf(text, sizeof text, "photo %.60s was taken at %s, before photo %.60s (%s): are they in order?",
+                     row->name, row->taken, before->name, before->taken);
+            warn(warnings, text);
+        }
+        before = row;
+    }
+}
+
+static int by_content(const void *left, const void *right)
+{
+    const struct series_input *a = *(const struct series_input *const *)left,
+                              *b = *(const struct series_input *const *)right;
+    int order = strcmp(a->sha256, b->sha256);
+    return order ? order : strcmp(a->name, b->name);
+}
+
+/* Two names, one content: the same photo twice. */
+static int warn_copies(struct warnings *warnings, const struct series *series)
+{
+    const struct series_input **inputs = malloc((series->input_count + 1) * sizeof *inputs);
+    char text[300];
+    if (!inputs)
+        return error_memory("the list of inputs");
+    for (size_t k = 0; k < series->input_count; k++)
+        inputs[k] = &series->inputs[k];
+    qsort(inputs, series->input_count, sizeof *inputs, by_content);
+    for (size_t k = 1; k < series->input_count; k++)
+        if (!strcmp(inputs[k]->sha256, inputs[k - 1]->sha256) && strcmp(inputs[k]->name, inputs[k - 1]->name)) {
+            snprintf(text, sizeof text, "%.100s and %.100s have the same content: is one of them a copy?",
+                     inputs[k - 1]->name, inputs[k]->name);
+            warn(warnings, text);
+        }
+    free(inputs);
+    return 0;
+}
+
+int page_warnings(const struct series *series, struct html *html)
 {
     struct warnings warnings = {html, 0};
     warn_gaps(&warnings, series);
+    warn_order(&warnings, series);
+    int status = warn_copies(&warnings, series);
     warn_photos(&warnings, series, 0);
     warn_photos(&warnings, series, 1);
     warn_floating(&warnings, series);
@@ -163,4 +212,5 @@ void page_warnings(const struct series *series, struct html *html)
             "above "
             "0.9, every method converged, Weber stress within 10 % of the applied one where that is known.</p></div>\n",
             html->stream);
+    return status;
 }

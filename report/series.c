@@ -190,6 +190,8 @@ static int add_file(struct series *series, const char *path)
     const struct state_info *info = loaded_info(&loaded);
     struct series_row *row = row_of(series, path, info);
     int result = row ? note_inputs(series, &loaded) : -1;
+    if (row && *info->taken)
+        memcpy(row->taken, info->taken, sizeof row->taken);
     if (result == 0 && !loaded.is_si)
         result = summarise_photo(&loaded, strcmp(info->stage, "tracker") ? &row->grains : &row->tracks);
     else if (result == 0 && (loaded.packing.force_count || !row->packing.path))

@@ -39,6 +39,7 @@ struct series_row {
     char *name; /* what stands before the first dot of the file names: "0003" */
     int64_t index;
     double time_s;
+    char taken[20];                      /* by the camera's clock; "": not known */
     struct photo_summary grains, tracks; /* path == NULL: not given */
     struct packing_summary packing;      /* of the forces file when there is one, else of contacts */
     char *contacts_path;                 /* of the file of contacts, when there is one */

@@ -132,7 +132,8 @@ int discs_draw(int width, int height, const struct disc *discs, size_t count, co
 {
     uint64_t seed = scenery->seed;
     size_t pixels = (size_t)width * (size_t)height;
-    *photo = (struct photo){width, height, 16, malloc(pixels * sizeof *photo->pixels)};
+    *photo =
+        (struct photo){.width = width, .height = height, .bits = 16, .pixels = malloc(pixels * sizeof *photo->pixels)};
     double *image = malloc(pixels * sizeof *image), *mask = calloc(pixels, sizeof *mask);
     if (!photo->pixels || !image || !mask)
         return -1;

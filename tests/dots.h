@@ -122,7 +122,8 @@ static inline struct photo canvas_photo(const struct canvas *canvas, double gain
                                         uint64_t key)
 {
     size_t n = (size_t)canvas->width * (size_t)canvas->height;
-    struct photo photo = {canvas->width, canvas->height, 16, malloc(n * sizeof(uint16_t))};
+    struct photo photo = {
+        .width = canvas->width, .height = canvas->height, .bits = 16, .pixels = malloc(n * sizeof(uint16_t))};
     if (!photo.pixels)
         abort();
     for (size_t k = 0; k < n; k++) {

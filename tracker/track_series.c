@@ -88,8 +88,8 @@ static void series_close(struct series *series)
     free(series->parameters);
 }
 
-static int write_tracks(const struct series *series, const char *photo, const char *previous, const char *path,
-                        const struct tracks *tracks)
+static int write_tracks(const struct series *series, const char *photo, const char *taken, const char *previous,
+                        const char *path, const struct tracks *tracks)
 {
     const char *inputs[4] = {series->paths->grains, series->paths->reference, photo};
     size_t input_count = 3;
@@ -103,6 +103,7 @@ static int write_tracks(const struct series *series, const char *photo, const ch
     provenance.input_count = input_count;
     provenance.index = scene_photo_index(series->scene, photo);
     provenance.time_s = scene_time(series->scene, provenance.index);
+    provenance.taken = taken;
     provenance.coordinates = "corrected";
     struct state_writer *writer = state_create(path, &provenance);
     if (!writer)
@@ -130,7 +131,7 @@ static int track_one(struct series *series, const char *photo_path, const char *
     if (status)
         error_prepend("%s", photo_path);
     else
-        status = write_tracks(series, photo_path, previous, output, &tracks);
+        status = write_tracks(series, photo_path, photo.taken, previous, output, &tracks);
     photo_free(&photo);
     if (!status) {
         *flagged += tracks_flagged(&tracks);

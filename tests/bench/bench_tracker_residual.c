@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "pipeline/error.h"
 #include "pipeline/progress.h"
@@ -104,11 +105,13 @@ int main(int argc, char **argv)
                  track_grains(&reference, &grains, &photo, NULL, &options, &tracks);
     if (!status) {
         size_t n = (size_t)reference.width * (size_t)reference.height;
-        picture = (struct photo){reference.width, reference.height, 16, calloc(n, sizeof(uint16_t))};
-        for (size_t k = 0; picture.pixels && k < grains.count; k++)
+        if (photo_alloc(&picture, reference.width, reference.height))
+            return 1;
+        memset(picture.pixels, 0, n * sizeof *picture.pixels);
+        for (size_t k = 0; k < grains.count; k++)
             if (isfinite(tracks.grains.x_seen_px[k]))
                 take_grain(&reference, &photo, &grains, &tracks.grains, k, &picture);
-        status = picture.pixels ? photo_write(argv[4], &picture) : -1;
+        status = photo_write(argv[4], &picture);
     }
     if (status)
         fprintf(stderr, "bench_tracker_residual: %s\n", error_message());

@@ -12,7 +12,10 @@ enum { FULL_WIDTH = 10320, FULL_HEIGHT = 7752 };
 /* A grey photo of `level` with white noise, to stamp on. */
 static inline struct photo stamped_blank(double level, double noise, uint64_t key)
 {
-    struct photo photo = {FULL_WIDTH, FULL_HEIGHT, 16, malloc((size_t)FULL_WIDTH * FULL_HEIGHT * sizeof(uint16_t))};
+    struct photo photo = {.width = FULL_WIDTH,
+                          .height = FULL_HEIGHT,
+                          .bits = 16,
+                          .pixels = malloc((size_t)FULL_WIDTH * FULL_HEIGHT * sizeof(uint16_t))};
     if (!photo.pixels)
         abort();
     for (size_t k = 0; k < (size_t)FULL_WIDTH * FULL_HEIGHT; k++)

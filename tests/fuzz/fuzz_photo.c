@@ -1,4 +1,4 @@
-/* A photo is read whole or refused with one line; nothing is printed, no more memory is taken than the request says. */
+/* A photo is read whole or refused with one line; nothing is printed, no more memory is taken than the limit says. */
 #include <stdlib.h>
 
 #include "pipeline/error.h"
@@ -9,8 +9,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static const enum photo_channel channels[] = {PHOTO_GREY_ONLY, PHOTO_BLUE, PHOTO_GREY_OF_RGB};
     const char *path = fuzz_file(data, size);
+    photo_limit_pixels(1 << 20);
     for (int k = 0; k < 3; k++) {
-        struct photo_request request = {.channel = channels[k], .max_pixels = 1 << 20};
+        struct photo_request request = {.channel = channels[k]};
         struct photo photo;
         error_clear();
         if (photo_read(path, &request, &photo)) {

@@ -216,8 +216,35 @@ static void test_refused_formats(void **unused)
     struct photo_request size = {.width = WIDTH + 1, .height = HEIGHT};
     v = (struct variant)PLAIN;
     assert_refused(write_variant("size.tif", &v), &size, "71 x 53 are expected");
-    struct photo_request few = {.max_pixels = WIDTH * HEIGHT - 1};
-    assert_refused(place("size.tif"), &few, "pixels");
+    photo_limit_pixels(WIDTH * HEIGHT - 1);
+    assert_refused(place("size.tif"), NULL, "70 x 53 pixels: give a photo of 1 to 3709 pixels");
+    photo_limit_pixels(WIDTH * HEIGHT);
+    struct photo photo;
+    check_done(photo_read(place("size.tif"), &(struct photo_request){0}, &photo));
+    photo_free(&photo);
+    photo_limit_pixels(PHOTO_MAX_PIXELS);
+}
+
+/* DateTime is kept when it is a time as TIFF writes it, and else taken for none. */
+static void test_time(void **unused)
+{
+    (void)unused;
+    static const char *const times[][2] = {{"2018:05:17 14:03:59", "2018:05:17 14:03:59"},
+                                           {"2018-05-17 14:03:59", ""},
+                                           {"yesterday evening  ", ""},
+                                           {"2018:05:17 14:03:59 ", ""}};
+    struct variant v = PLAIN;
+    for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
+        struct photo photo;
+        TIFF *tiff = TIFFOpen(place("time.tif"), "w");
+        write_tags(tiff, &v);
+        TIFFSetField(tiff, TIFFTAG_DATETIME, times[k][0]);
+        write_strips(tiff, &v);
+        TIFFClose(tiff);
+        check_done(photo_read(place("time.tif"), &(struct photo_request){0}, &photo));
+        assert_string_equal(photo.taken, times[k][1]);
+        photo_free(&photo);
+    }
 }
 
 /* One tag more or other than a plain photo has. */
@@ -538,6 +565,7 @@ int main(void)
         cmocka_unit_test(test_rgb),
         cmocka_unit_test(test_refused_formats),
         cmocka_unit_test(test_refused_tags),
+        cmocka_unit_test(test_time),
         cmocka_unit_test(test_refused_depths),
         cmocka_unit_test(test_refused_pages),
         cmocka_unit_test(test_refused_files),

@@ -692,6 +692,30 @@ static void test_page(void **unused)
     remove(folder);
 }
 
+/* A photo out of order by the camera's clock, one without a time between, and a copy under another name. */
+static void test_page_order(void **unused)
+{
+    (void)unused;
+    struct series_row rows[] = {{.name = "0000", .index = 0, .taken = "2018:05:17 14:00:00"},
+                                {.name = "0001", .index = 1},
+                                {.name = "0002", .index = 2, .taken = "2018:05:17 13:59:59"},
+                                {.name = "0003", .index = 3, .taken = "2018:05:17 14:00:05"}};
+    struct series_input inputs[] = {{"0003.tracks.hdf", "0003.tif", "b7"},
+                                    {"0000.tracks.hdf", "0000.tif", "a1"},
+                                    {"0001.tracks.hdf", "0000.tif", "a1"},
+                                    {"0002.tracks.hdf", "0002.tif", "b7"}};
+    struct series series = {.rows = rows, .count = 4, .inputs = inputs, .input_count = 4};
+    struct html html;
+    check_done(html_begin(&html));
+    check_done(page_warnings(&series, &html));
+    check_done(html_end(&html));
+    assert_non_null(strstr(html.text, "photo 0002 was taken at 2018:05:17 13:59:59, before photo 0000"));
+    assert_null(strstr(html.text, "photo 0003 was"));
+    assert_non_null(strstr(html.text, "0002.tif and 0003.tif have the same content"));
+    assert_null(strstr(html.text, "0000.tif and"));
+    html_free(&html);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -717,6 +741,7 @@ int main(void)
         cmocka_unit_test(test_rose),
         cmocka_unit_test(test_chart),
         cmocka_unit_test(test_page),
+        cmocka_unit_test(test_page_order),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     canvas_forget_fonts();

@@ -310,6 +310,50 @@ static void a_scene_without_a_folder(void **state)
     scene_free(&scene);
 }
 
+/* A link that leads out of the scene's folder, and one that stays in it. */
+static void links_lead_nowhere_else(void **state)
+{
+    (void)state;
+    char link[80], folder_of_links[80];
+    struct scene scene;
+    snprintf(link, sizeof link, "%s/lens.json", folder);
+    assert_int_equal(symlink("/etc/passwd", link), 0);
+    assert_int_equal(read_text(whole, &scene), -1);
+    assert_non_null(strstr(error_message(), "a symbolic link there leads out of the scene's folder"));
+    assert_int_equal(error_status(), EXIT_INPUT);
+    unlink(link);
+    assert_int_equal(symlink("scene.json", link), 0);
+    check_done(read_text(whole, &scene));
+    snprintf(folder_of_links, sizeof folder_of_links, "%s/photos", folder);
+    assert_int_equal(symlink("/", folder_of_links), 0);
+    assert_non_null(scene.lens);
+    char *path = scene_photo_path(&scene, 3); /* /0003.tif is not there: it leads nowhere */
+    assert_non_null(path);
+    free(path);
+    unlink(folder_of_links);
+    scene_free(&scene);
+    unlink(link);
+}
+
+/* Last: it holds for the whole process. */
+static void outside_where_allowed(void **state)
+{
+    (void)state;
+    char link[80];
+    struct scene scene;
+    char text[sizeof whole + 100];
+    const char *at = strstr(whole, "loads/cycle 1.csv");
+    scene_allow_outside();
+    snprintf(text, sizeof text, "%.*s/data/../loads.csv%s", (int)(at - whole), whole, at + strlen("loads/cycle 1.csv"));
+    snprintf(link, sizeof link, "%s/lens.json", folder);
+    assert_int_equal(symlink("/etc/passwd", link), 0);
+    check_done(read_text(text, &scene));
+    assert_string_equal(scene.loads, "/data/../loads.csv");
+    scene_free(&scene);
+    unlink(link);
+    check_refused("\"loads/cycle 1.csv\"", "\"\"", "an empty path");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -317,7 +361,8 @@ int main(void)
         cmocka_unit_test(refuses_mistakes_in_the_root), cmocka_unit_test(refuses_mistakes_in_photos),
         cmocka_unit_test(refuses_mistakes_in_groups),   cmocka_unit_test(patterns),
         cmocka_unit_test(photos_of_a_series),           cmocka_unit_test(pixels_become_metres),
-        cmocka_unit_test(a_scene_without_a_folder),
+        cmocka_unit_test(a_scene_without_a_folder),     cmocka_unit_test(links_lead_nowhere_else),
+        cmocka_unit_test(outside_where_allowed),
     };
     return cmocka_run_group_tests_name("scene", tests, make_folder, remove_folder);
 }
