@@ -163,7 +163,7 @@ static int write_all(const struct options *options, const struct law_curve *curv
     int status = calibration_write(options->cli.output, object);
     if (!status && options->picture)
         status = draw(options->picture, curves, length);
-    return status ? status : cli_flagged(&options->cli, moving, steps, "states that did not come to rest");
+    return status ? status : cli_flagged(&options->cli, moving, steps, "states did not come to rest");
 }
 
 static int run(const struct options *options)

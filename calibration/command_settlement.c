@@ -160,7 +160,7 @@ static int write_estimate(const struct options *o, const struct settle_estimate 
     cJSON_AddItemToObject(object, "grains", rows);
     if (calibration_write(o->cli.output, object))
         return -1;
-    return cli_flagged(&o->cli, estimate->unused, estimate->grains, "grains that were lost at the end of a cycle");
+    return cli_flagged(&o->cli, estimate->unused, estimate->grains, "grains were lost at the end of a cycle");
 }
 
 static int run_tracked(const struct options *o)
@@ -261,7 +261,7 @@ static int write_runs(const struct options *o, const struct settle_result *quick
     if (!status && o->picture)
         status = draw(o->picture, quick, full);
     return status ? status
-                  : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states that did not rest");
+                  : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states did not come to rest");
 }
 
 static int run_simulated(const struct options *o)

@@ -180,7 +180,7 @@ static int fit_and_write(const struct options *options, const struct press_photo
     for (size_t k = 0; points && k < count; k++)
         unused += !points[k].used;
     if (!status)
-        status = cli_flagged(&options->cli, unused, count, "photos that were not used");
+        status = cli_flagged(&options->cli, unused, count, "photos were not used");
     stiffness_free(&stiffness);
     force_record_free(&record);
     free(points);

@@ -22,7 +22,10 @@ static int run(const struct arguments *arguments)
     if (status == 0)
         status = photo_state_read(arguments->input, &photo);
     if (status == 0 && arguments->previous)
-        status = packing_read(arguments->previous, &previous);
+        status = packing_read(arguments->previous, &previous) ||
+                         state_check_order(arguments->previous, &previous.info, &photo.info)
+                     ? -1
+                     : 0;
     if (status == 0)
         status = arguments_options(arguments, &scene, &previous, &options);
     if (status == 0)
@@ -50,7 +53,8 @@ static int run(const struct arguments *arguments)
         status = overlap_picture(arguments->picture, &summary);
     if (status == 0) {
         contacts_log(&summary);
-        status = cli_flagged(&arguments->cli, summary.unusable, summary.grains, "grains without position or radius");
+        status =
+            cli_flagged(&arguments->cli, summary.unusable, summary.grains, "grains are without position or radius");
     }
     packing_free(&packing);
     packing_free(&previous);

@@ -131,7 +131,7 @@ static int work(const struct arguments *arguments, const struct scene *scene, st
     size_t flagged = find_count_flagged(grains);
     log_event("findgrains", "grains", (double)grains->count, "flagged", (double)flagged, "blur_px", notes.blur_px,
               "noise", notes.noise, "window_px", notes.window_px, NULL);
-    return cli_flagged(&arguments->cli, flagged, grains->count, "grains");
+    return cli_flagged(&arguments->cli, flagged, grains->count, "grains are flagged");
 }
 
 static int run(const struct arguments *arguments)

@@ -126,6 +126,7 @@ int add_forces(const struct force_request *request, size_t *unbalanced, size_t *
     options.from = request->from ? &from : NULL;
     *unbalanced = 0;
     int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
+                 (request->previous && state_check_order(request->previous, &previous.info, &packing.info)) ||
                  read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, unbalanced) ||
                  (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);

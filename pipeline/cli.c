@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "pipeline/cli_overwrite.h"
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
 #include "pipeline/number.h"
@@ -34,7 +35,7 @@ enum { KEY_SCENE = 0x1000, KEY_LOG, KEY_THREADS, KEY_MAX_FLAGGED, KEY_ALLOW_OUTS
 
 static const struct argp_option options[] = {
     {"scene", KEY_SCENE, "SCENE.json", 0, "The description of the experiment", 0},
-    {"output", 'o', "OUT", 0, "Write the result here (and nowhere else)", 0},
+    {"output", 'o', "OUT", 0, "Write the result here (and nowhere else); a folder where there are several files", 0},
     {"threads", KEY_THREADS, "N", 0,
      "Use N threads (default 0: as many as the machine has); results do not depend on it", 0},
     {"quiet", 'q', NULL, 0, "No progress bar", 0},
@@ -54,6 +55,9 @@ static void check_and_apply(const struct argp_state *state, const struct cli *cl
         argp_error(state, "which experiment? Give --scene SCENE.json");
     if ((cli->needs & CLI_NEEDS_OUTPUT) && !cli->output)
         argp_error(state, "where should the result go? Give -o OUT");
+    const char *overwritten = cli_overwritten(state->argc, state->argv);
+    if (overwritten)
+        argp_error(state, "%s is also an input, and would be overwritten: name another file", overwritten);
     if (cli->threads > 0)
         omp_set_num_threads(cli->threads);
     if (cli->quiet)
@@ -204,11 +208,10 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
 {
     if ((double)flagged <= cli->max_flagged * (double)total)
         return 0;
-    char note[300];
+    char note[400];
     snprintf(note, sizeof note,
-             "%zu of %zu %.100s are flagged, more than --max-flagged %g allows: the output is written, look at its "
-             "column flags",
-             flagged, total, what, cli->max_flagged);
+             "%.150s: %zu of %zu %.100s, more than --max-flagged %g allows: it is written, look at its rows",
+             cli->output ? cli->output : "done", flagged, total, what, cli->max_flagged);
     print_line(note);
     return EXIT_FLAGGED;
 }

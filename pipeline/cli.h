@@ -50,7 +50,7 @@ int cli_choice(const struct argp_state *state, const char *option, const char *t
 /* `status` is -1 after a failure (the error line is printed to stderr and its status returned), else 0 or
  * EXIT_FLAGGED. Closes the log with CPU seconds, wall seconds and peak memory. */
 int cli_finish(const struct cli *cli, int status);
-/* EXIT_FLAGGED with a note on stderr when flagged > max_flagged * total, else 0. */
+/* EXIT_FLAGGED with a note on stderr when flagged > max_flagged * total, else 0; `what`: "grains are flagged". */
 int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char *what);
 
 /* One JSON object per line into --log (no effect without): log_event("refine", "iterations", 3.0, "rms_px", 0.01,

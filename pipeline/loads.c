@@ -117,6 +117,9 @@ static int read_header(struct reader *reader, enum kind *kind)
             *kind = (enum kind)k;
             return 0;
         }
+    if (line && strchr(line, ';'))
+        return error_input("%s:%ld: the cells are separated by ';': save the table with ',' and decimal points",
+                           reader->path, reader->number);
     return error_input("%s:%ld: the first line must be one of '%s', '%s', '%s': write it there", reader->path,
                        reader->number ? reader->number : 1, headers[0], headers[1], headers[2]);
 }
@@ -254,14 +257,25 @@ static int apply(const char *path, struct rows *rows, double length_m, struct wa
     return 0;
 }
 
-int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls)
+static int read_file(const char *path, int64_t index, struct rows *rows)
 {
     struct reader reader = {.path = path, .file = fopen(path, "r")};
-    struct rows rows = {0};
     if (!reader.file)
         return error_input("%s: %s: name a file that can be read", path, strerror(errno));
-    int status = read_rows(&reader, index, &rows);
+    int status = read_rows(&reader, index, rows);
     free(reader.line);
     fclose(reader.file);
-    return status ? -1 : apply(path, &rows, length_m, walls);
+    return status;
+}
+
+int loads_check(const char *path, int64_t index)
+{
+    struct rows rows = {0};
+    return read_file(path, index, &rows);
+}
+
+int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls)
+{
+    struct rows rows = {0};
+    return read_file(path, index, &rows) ? -1 : apply(path, &rows, length_m, walls);
 }

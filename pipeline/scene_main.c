@@ -5,6 +5,7 @@
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
+#include "pipeline/loads.h"
 #include "pipeline/scene.h"
 #include "pipeline/scene_part.h"
 
@@ -67,6 +68,9 @@ static int check_file(const struct scene *scene, const char *path)
 static int check(const struct scene *scene)
 {
     if (check_file(scene, scene->lens) || check_file(scene, scene->loads))
+        return -1;
+    if (scene->loads && scene->photos.pattern &&
+        (loads_check(scene->loads, scene->photos.first) || loads_check(scene->loads, scene->photos.last)))
         return -1;
     for (long index = scene->photos.first; scene->photos.pattern && index <= scene->photos.last; index++) {
         char *path = scene_photo_path(scene, index);

@@ -46,6 +46,8 @@ struct state_info {
     char taken[20];
 };
 void state_info_free(struct state_info *info);
+/* Error (EXIT_INPUT) when both indices are known and `previous` is not before `now`. */
+int state_check_order(const char *previous_path, const struct state_info *previous, const struct state_info *now);
 
 /* ---- writing ---- */
 struct state_writer;

@@ -82,6 +82,14 @@ void state_info_free(struct state_info *info)
     memset(info, 0, sizeof *info);
 }
 
+int state_check_order(const char *previous_path, const struct state_info *previous, const struct state_info *now)
+{
+    if (previous->index < 0 || now->index < 0 || previous->index < now->index)
+        return 0;
+    return error_input("%s: is photo %lld, not before photo %lld: give the state before as --previous", previous_path,
+                       (long long)previous->index, (long long)now->index);
+}
+
 int state_read_info(const struct state *state, struct state_info *info)
 {
     memset(info, 0, sizeof *info);

@@ -52,7 +52,7 @@ static int run(const struct options *options)
     if (series_folder_close(&folder))
         status = -1;
     if (!status && folder.unrelaxed)
-        status = cli_flagged(&options->cli, folder.unrelaxed, folder.states, "states that did not come to rest");
+        status = cli_flagged(&options->cli, folder.unrelaxed, folder.states, "states did not come to rest");
     free(parameters);
     simulation_plan_free(&plan);
     scene_free(&scene);

@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <string.h>
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -18,6 +19,18 @@ static const struct argp_option option_list[] = {
     {"reference", KEY_REFERENCE, "FILE", 0, "The reference photo (.tif); every photo is compared with it", 0},
     {"previous", KEY_PREVIOUS, "FILE", 0, "Tracks (or dic_out) of the photo before: where to look first", 0},
     {0}};
+
+/* Tracks are named after their photos: two of one name would be one file. */
+static void check_names(const struct argp_state *state, const struct cli_inputs *photos)
+{
+    for (size_t k = 1; k < photos->count; k++)
+        for (size_t m = 0; m < k; m++)
+            if (!strcmp(basename(photos->paths[k]), basename(photos->paths[m])))
+                argp_error(state,
+                           "%s has the name of %s, and its tracks would replace those: rename one, or track it "
+                           "alone",
+                           photos->paths[k], photos->paths[m]);
+}
 
 static error_t parse(int key, char *argument, struct argp_state *state)
 {
@@ -42,6 +55,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
             argp_error(state, "--grains and --reference are needed");
         if (!options->photos.count)
             argp_error(state, "no photo is given");
+        check_names(state, &options->photos);
         return 0;
     }
     return ARGP_ERR_UNKNOWN;
@@ -52,7 +66,8 @@ static const char help[] =
     "A disc of 0.8 radii of each grain is followed by its speckle: shift, rotation, standard errors and flags, to "
     "about "
     "a thousandth of a pixel. A grain that is not found keeps its row, is flagged, and is looked for again in the next "
-    "photo. Give the photos in the order of the test.\n\n"
+    "photo. Give the photos in the order of the test. -o is a file for one "
+    "photo, a folder for several.\n\n"
     "Scene: \"tracker\": {\"subset\": 0.8, \"search_px\": 64, \"search_deg\": 60}; \"drift_patches_px\": fixed "
     "speckled "
     "paper, the camera's own motion is undone; \"frame\": {\"markers_px\"}: speckled marks on the walls; \"lens\": a "
@@ -71,7 +86,7 @@ static int run(struct options *options)
         status = track_series(&scene, &options->paths, &flagged, &total);
     scene_free(&scene);
     cli_inputs_free(&options->photos);
-    return status ? status : cli_flagged(&options->cli, flagged, total, "grains");
+    return status ? status : cli_flagged(&options->cli, flagged, total, "grains are flagged");
 }
 
 int main(int argc, char **argv)

@@ -8,6 +8,7 @@
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
+#include "pipeline/json.h"
 #include "pipeline/state.h"
 #include "tracker/original.h"
 #include "tracker/tracker_options.h"
@@ -24,8 +25,35 @@ struct series {
     struct tracker *tracker;
 };
 
-/* /grains of a file in the given coordinates; the rows that `required` names must be there. */
-static int read_grains(const char *path, const char *coordinates, const char *const required[],
+/* Grains of one photo on another as reference would be wrong by whole motions, and look well: findgrains says in its
+ * file what it has read. A file that does not say so (of other programs) is taken. */
+static int check_reference(const char *path, const struct state_info *info, const char *reference)
+{
+    char digest[65];
+    int status = 1;
+    if (!info->inputs || strcmp(info->stage, "findgrains"))
+        return 0;
+    struct json *json = json_parse(info->inputs, strlen(info->inputs), path);
+    if (!json || file_sha256(reference, digest)) {
+        json_free(json);
+        return -1;
+    }
+    const cJSON *input;
+    cJSON_ArrayForEach(input, json_root(json))
+    {
+        const cJSON *sha256 = cJSON_GetObjectItemCaseSensitive(input, "sha256");
+        if (cJSON_IsString(sha256) && !strcmp(sha256->valuestring, digest))
+            status = 0;
+    }
+    json_free(json);
+    return status ? error_input("%s: its grains were found in another photo than %s: give that photo as --reference",
+                                path, reference)
+                  : 0;
+}
+
+/* /grains of a file in the given coordinates; the rows that `required` names must be there. `reference`: the photo that
+ * they must have been found in, or NULL. */
+static int read_grains(const char *path, const char *coordinates, const char *const required[], const char *reference,
                        struct photo_grains *grains)
 {
     struct state_info info = {0};
@@ -36,6 +64,8 @@ static int read_grains(const char *path, const char *coordinates, const char *co
     if (!status && strcmp(info.coordinates, coordinates))
         status = error_input("%s: coordinates are '%s', not '%s': give a file of %s", path, info.coordinates,
                              coordinates, strcmp(coordinates, "seen") ? "the tracker" : "findgrains");
+    if (!status && reference)
+        status = check_reference(path, &info, reference);
     if (!status)
         status = state_read(state, "grains", &PHOTO_GRAINS, required, grains);
     state_info_free(&info);
@@ -61,14 +91,14 @@ static int series_open(struct series *series)
     int text = original_is_text(paths->grains);
     if (!series->parameters ||
         (text ? original_read_grains(paths->grains, &series->grains)
-              : read_grains(paths->grains, "seen", circle, &series->grains)) ||
+              : read_grains(paths->grains, "seen", circle, paths->reference, &series->grains)) ||
         photo_read(paths->reference, &request, &series->reference))
         return -1;
     if (paths->previous) {
         text = original_is_text(paths->previous);
         if (text ? original_read_motion(paths->previous, series->scene->lens || series->scene->drift_patch_count,
                                         &series->grains, &series->previous)
-                 : read_grains(paths->previous, "corrected", motion, &series->previous))
+                 : read_grains(paths->previous, "corrected", motion, NULL, &series->previous))
             return -1;
         if (series->previous.count != series->grains.count)
             return error_input("%s: %zu grains, but %s has %zu: give tracks of the same reference", paths->previous,

@@ -73,7 +73,7 @@ static int work(const struct options *options)
         count_to(200);
     if (!strcmp(options->work, "log"))
         log_event("step", "third", 1.0 / 3, "missing", NAN, NULL);
-    return !strcmp(options->work, "flag") ? cli_flagged(&options->cli, 6, 100, "grains") : 0;
+    return !strcmp(options->work, "flag") ? cli_flagged(&options->cli, 6, 100, "grains are flagged") : 0;
 }
 
 int main(int argc, char **argv)
