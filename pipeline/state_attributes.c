@@ -6,6 +6,7 @@
 #include "pipeline/error.h"
 #include "pipeline/state_hdf.h"
 #include "pipeline/state_open.h"
+#include "pipeline/state_storage.h"
 
 enum { LONGEST_TEXT = 16 << 20 };
 
@@ -37,6 +38,7 @@ static hssize_t attribute_count(hid_t attribute)
     return count;
 }
 
+/* As h5py writes texts, for example. */
 static char *read_variable_text(hid_t attribute, hid_t type)
 {
     char *value = NULL, *text = NULL;
@@ -75,11 +77,14 @@ int state_attribute_text(const struct state *state, const char *group, const cha
     hid_t type = H5Aget_type(attribute);
     *text = NULL;
     errno = 0;
-    if (type >= 0 && H5Tget_class(type) == H5T_STRING && attribute_count(attribute) == 1)
-        *text = H5Tis_variable_str(type) > 0 ? read_variable_text(attribute, type) : read_fixed_text(attribute, type);
+    int variable = type >= 0 && H5Tis_variable_str(type) > 0, unsafe = variable && state_check_heaps(state);
+    if (type >= 0 && H5Tget_class(type) == H5T_STRING && attribute_count(attribute) == 1 && !unsafe)
+        *text = variable ? read_variable_text(attribute, type) : read_fixed_text(attribute, type);
     if (type >= 0)
         H5Tclose(type);
     H5Aclose(attribute);
+    if (unsafe)
+        return -1;
     if (!*text && errno == ENOMEM)
         return error_memory(state->path);
     return *text ? 0 : error_input("%s: attribute '%s' is not one text: make the file again", state->path, name);

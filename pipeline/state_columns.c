@@ -1,4 +1,4 @@
-/* Reading the columns of a state file: type, rank and length are checked before memory is allocated, and a dataset
+/* Reading the columns of a state file: type, rank, length and storage are checked before memory is allocated; a dataset
  * whose bytes were never all written (a full disk) is refused, because HDF5 would fill the holes with zeros in silence.
  */
 #include <stdio.h>
@@ -8,6 +8,7 @@
 #include "pipeline/error.h"
 #include "pipeline/state_hdf.h"
 #include "pipeline/state_open.h"
+#include "pipeline/state_storage.h"
 
 static int type_fits(hid_t type, enum column_type wanted)
 {
@@ -63,42 +64,6 @@ static int check_length(const struct state *state, hid_t dataset, const char *gr
     return 0;
 }
 
-/* Were all the bytes of a one-dimensional dataset written? Chunks may carry filters, so count them. */
-static int is_written(hid_t dataset, hid_t properties, hsize_t rows)
-{
-    hsize_t chunk_rows = 0, chunks = 0;
-    H5D_space_status_t status;
-    if (rows == 0)
-        return 1;
-    if (H5Pget_layout(properties) != H5D_CHUNKED)
-        return H5Dget_space_status(dataset, &status) >= 0 && status == H5D_SPACE_STATUS_ALLOCATED;
-    hid_t space = H5Dget_space(dataset);
-    int counted = space >= 0 && H5Pget_chunk(properties, 1, &chunk_rows) == 1 && chunk_rows > 0 &&
-                  H5Dget_num_chunks(dataset, space, &chunks) >= 0;
-    if (space >= 0)
-        H5Sclose(space);
-    return counted && chunks == (rows - 1) / chunk_rows + 1;
-}
-
-/* Data inside this file, all of it written. */
-static int check_storage(const struct state *state, hid_t dataset, const char *group, const char *name, hsize_t rows)
-{
-    hid_t properties = H5Dget_create_plist(dataset);
-    H5D_layout_t layout = properties >= 0 ? H5Pget_layout(properties) : H5D_LAYOUT_ERROR;
-    int inside = layout == H5D_COMPACT || layout == H5D_CHUNKED ||
-                 (layout == H5D_CONTIGUOUS && H5Pget_external_count(properties) == 0);
-    int written = inside && is_written(dataset, properties, rows);
-    if (properties >= 0)
-        H5Pclose(properties);
-    if (!inside)
-        return error_input("%s: column /%s/%s is stored outside the file: put the data into the file", state->path,
-                           group, name);
-    if (!written)
-        return error_input("%s: column /%s/%s was never written completely: make the file again", state->path, group,
-                           name);
-    return 0;
-}
-
 static int read_values(const struct state *state, hid_t dataset, const char *group, const struct column *column,
                        hsize_t rows, void **array)
 {
@@ -131,7 +96,7 @@ static int read_column(const struct state *state, hid_t place, const char *group
                            column->name);
     int failed = check_type(state, dataset, group, column) ||
                  check_length(state, dataset, group, column->name, &length) ||
-                 check_storage(state, dataset, group, column->name, length);
+                 state_check_storage(state, dataset, group, column->name, length);
     if (!failed && !is_first && length != *rows)
         failed = error_input("%s: column /%s/%s has %llu rows, others have %zu: make the file again", state->path,
                              group, column->name, (unsigned long long)length, *rows);

@@ -76,14 +76,17 @@ int state_has(const struct state *state, const char *path)
 struct names {
     char **list;
     size_t count, capacity;
+    int linked; /* a soft or external link was met */
 };
 
 static herr_t collect_name(hid_t group, const char *name, const H5L_info_t *link, void *data)
 {
     (void)group;
     struct names *names = data;
-    if (link->type != H5L_TYPE_HARD)
-        return 0;
+    if (link->type != H5L_TYPE_HARD) {
+        names->linked = 1;
+        return -1;
+    }
     if (names->count == names->capacity) {
         size_t capacity = names->capacity ? 2 * names->capacity : 16;
         char **list = realloc(names->list, capacity * sizeof *list);
@@ -144,5 +147,8 @@ int state_list(const struct state *state, const char *path, char ***list, size_t
     for (size_t k = 0; k < names.count; k++)
         free(names.list[k]);
     free(names.list);
+    if (names.linked)
+        return error_input("%s: '%s' has a soft or external link: put the data into the file itself", state->path,
+                           path);
     return *list ? 0 : error_failed("%s: the groups in '%s' cannot be listed: make the file again", state->path, path);
 }

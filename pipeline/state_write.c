@@ -12,7 +12,7 @@
 #include "pipeline/scene_part.h"
 #include "pipeline/state_hdf.h"
 
-enum { CHUNK_ROWS = 65536, LONGEST_FIXED_TEXT = 32000 };
+enum { CHUNK_ROWS = 65536 };
 
 int state_write_failed(struct state_writer *writer, const char *what)
 {
@@ -93,15 +93,14 @@ static int is_ascii(const char *text)
     return 1;
 }
 
-/* Fixed length while it fits into an object header (64 kB), variable length beyond. */
+/* Of fixed length: texts of variable length are not safe to read (pipeline/state_storage.h). */
 static int write_text(hid_t object, const char *name, const char *text)
 {
     size_t length = strlen(text);
-    int fixed = length <= LONGEST_FIXED_TEXT;
-    hid_t type = state_string_type(fixed ? length + !length : H5T_VARIABLE, !is_ascii(text));
+    hid_t type = state_string_type(length + !length, !is_ascii(text));
     if (type < 0)
         return -1;
-    int failed = write_attribute(object, name, type, type, 1, fixed ? (const void *)text : (const void *)&text);
+    int failed = write_attribute(object, name, type, type, 1, text);
     H5Tclose(type);
     return failed;
 }
@@ -364,7 +363,7 @@ static hid_t create_hdf(const char *path)
     /* The format of HDF5 1.10 puts a checksum on every piece of metadata (the older ones on none or few), so that a
      * damaged file is refused instead of misread; and its index of a column in one chunk takes no room. */
     if (creation >= 0 && access >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
-        H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
+        H5Pset_file_locking(access, 0, 1) >= 0 && H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
         hdf = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
     if (creation >= 0)
         H5Pclose(creation);
