@@ -12,6 +12,10 @@ static const double COLOURS[][3] = {{COLOUR_BLUE},   {COLOUR_VERMILLION}, {COLOU
                                     {COLOUR_ORANGE}, {COLOUR_PURPLE},     {COLOUR_SKY}};
 enum { COLOUR_COUNT = 6, MARKERS = 4 };
 
+/* Of an axis, over its largest value: what differs by less is alike but for rounding, and so small steps would not move
+ * a number of that size. */
+static const double LEAST_SPAN = 1e-9;
+
 struct axis {
     double from, to, step; /* in decades when logarithmic */
     double begin, length;  /* px */
@@ -80,7 +84,7 @@ static double round_up(double value)
 
 static struct axis make_axis(double from, double to, double begin, double length, double whole)
 {
-    if (!(to > from)) {
+    if (!(to - from > LEAST_SPAN * fmax(fabs(from), fabs(to)))) {
         double room = fmax(fabs(from) * 0.1, 1e-12);
         from -= room;
         to += room;
