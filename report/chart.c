@@ -193,6 +193,15 @@ static void set_style(cairo_t *cairo, const struct chart_line *line)
     cairo_set_line_width(cairo, 1.6);
 }
 
+/* Has the point no neighbour to draw a line to? A long line would hide it: the one grey level at which a photo is
+ * saturated, every level of an 8-bit photo whose contrast was stretched. */
+static int is_alone(const struct chart *chart, const struct chart_line *line, size_t k)
+{
+    int before = k > 0 && !isnan(height_of(chart, line, k - 1));
+    int after = k + 1 < line->count && !isnan(height_of(chart, line, k + 1));
+    return !before && !after;
+}
+
 static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const struct axis *x, const struct axis *y)
 {
     const struct chart_line *line = &chart->lines[l];
@@ -209,9 +218,10 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
     }
     cairo_stroke(cairo);
     cairo_set_dash(cairo, NULL, 0, 0);
-    for (size_t k = 0; k < line->count && (line->count <= 60 || line->scattered); k++) {
+    int all = line->count <= 60 || line->scattered;
+    for (size_t k = 0; k < line->count; k++) {
         double up = height_of(chart, line, k);
-        if (!isnan(up))
+        if (!isnan(up) && (all || is_alone(chart, line, k)))
             draw_marker(cairo, on(x, line->x[k]), on(y, up), line->style);
     }
 }
