@@ -275,6 +275,24 @@ static void cycles_are_jumped_over(void **state)
     cJSON_Delete(object);
 }
 
+/* Four hundred cycles at the pace of the last two drive grains into each other: they are parted, once. */
+static void a_jump_too_far_is_parted(void **state)
+{
+    (void)state;
+    command_done("calibration settlement --quiet --max-flagged 1 --scene cyclic.json --initial 2 --train 2 --ahead 400 "
+                 "--cycles 405 --trend linear --free-contacts -o far.json");
+    cJSON *object = json_of("far.json", "film.settlement/1"), *run = cJSON_GetObjectItem(object, "extrapolated");
+    check_near(json_at(run, "simulated_cycles"), 5, 0);
+    check_near(json_at(run, "jumps.0.to_cycle"), 404, 0);
+    check_near(json_at(run, "jumps.0.promised_m"), settled(4) + 200 * (settled(4) - settled(2)), 1e-8 * height[0]);
+    check_near(json_at(run, "partings"), 1, 0);
+    double before = json_at(run, "largest_overlap_before_parting_m");
+    assert_true(before > 1e-4); /* at kappa 500 grains of 4 and 6 mm overlap by some 1e-5 m */
+    check_at_most(json_at(run, "largest_overlap_after_parting_m"), before);
+    check_near(json_at(run, "cycle.6"), 405, 0);
+    cJSON_Delete(object);
+}
+
 static void loops_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
@@ -302,6 +320,7 @@ int main(void)
         cmocka_unit_test(what_is_no_series_is_refused),
         cmocka_unit_test(the_states_of_a_simulation_are_read),
         cmocka_unit_test(cycles_are_jumped_over),
+        cmocka_unit_test(a_jump_too_far_is_parted),
         cmocka_unit_test(loops_that_make_no_sense_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_enter, folder_leave);
