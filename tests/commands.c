@@ -258,3 +258,22 @@ char *check_svg(const char *path)
     assert_int_equal(strspn(end + 6, "\n"), strlen(end + 6));
     return text;
 }
+
+size_t svg_strokes(const char *svg, const char *colour, struct svg_stroke *strokes, size_t room)
+{
+    size_t count = 0;
+    for (const char *at = svg; (at = strstr(at, "<path ")); at++) {
+        char element[600] = "";
+        size_t length = strcspn(at, ">");
+        memcpy(element, at, length < sizeof element ? length : sizeof element - 1);
+        const char *d = strstr(element, " d=\"M "), *width = strstr(element, "stroke-width");
+        struct svg_stroke s;
+        if (!d || !width || !strstr(element, colour) || strstr(d, " C ") ||
+            sscanf(d, " d=\"M %lf %lf L %lf %lf", &s.x0, &s.y0, &s.x1, &s.y1) != 4)
+            continue;
+        s.width = strtod(width + strcspn(width, "0123456789"), NULL);
+        assert_true(count < room);
+        strokes[count++] = s;
+    }
+    return count;
+}

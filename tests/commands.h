@@ -41,5 +41,11 @@ int json_is(const cJSON *object, const char *format, ...) __attribute__((format(
 void check_png(const char *path, long width, long height);
 /* The file is SVG that closes what it opens; its text, to be freed. */
 char *check_svg(const char *path);
+/* Its straight strokes of that colour (as cairo writes the beginning of it), in the order in which they are drawn;
+ * more than `room` fail. */
+struct svg_stroke {
+    double width, x0, y0, x1, y1;
+};
+size_t svg_strokes(const char *svg, const char *colour, struct svg_stroke *strokes, size_t room);
 
 #endif

@@ -76,7 +76,8 @@ static inline int pressed_place(const struct pressed_rods *rods, int k, struct p
     return 0;
 }
 
-static inline int pressed_photo(const struct pressed_rods *rods, int k, const struct photo_grains *grains, struct photo *photo)
+static inline int pressed_photo(const struct pressed_rods *rods, int k, const struct photo_grains *grains,
+                                struct photo *photo)
 {
     struct optics optics = OPTICS_DEFAULT;
     optics.seed = rods->seed;

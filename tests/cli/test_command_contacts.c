@@ -369,27 +369,6 @@ static void forces_end_at_their_friction(void **state)
     assert_false(file_exists("no.json"));
 }
 
-static void the_program_lists_its_commands(void **state)
-{
-    (void)state;
-    static const char *const names[] = {"lens",     "scale", "stiffness", "rescale",
-                                        "friction", "hertz", "laws",      "settlement"};
-    command_done("calibration --help");
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        char line[40];
-        snprintf(line, sizeof line, "\n  %-10s ", names[k]);
-        assert_int_equal(text_count(command_out, line), 1);
-    }
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        command_done("calibration %s --help", names[k]);
-        assert_non_null(strstr(command_out, names[k]));
-    }
-    command_done("calibration --version");
-    assert_string_equal(command_out, "calibration (film) " FILM_VERSION "\n");
-    command_fails(2, "there is no such command", "calibration length");
-    command_fails(2, "which command?", "calibration");
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -402,7 +381,6 @@ int main(void)
         cmocka_unit_test(sliding_rods_give_their_friction),
         cmocka_unit_test(wrong_tests_are_refused),
         cmocka_unit_test(forces_end_at_their_friction),
-        cmocka_unit_test(the_program_lists_its_commands),
     };
     return cmocka_run_group_tests(tests, folder_enter, folder_leave);
 }

@@ -1,14 +1,15 @@
-/* `calibration lens` and `calibration scale` from outside: photos of a plate that the test draws behind a lens of its
- * own formula, and lengths whose scale is known. */
+/* `calibration`, `calibration lens` and `calibration scale` from outside: photos of a plate that the test draws behind
+ * a lens of its own formula, and lengths whose scale is known. */
 #include "tests/commands.h"
 #include "tests/dots.h"
 
 #include <complex.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { WIDTH = 480, HEIGHT = 360, TAKEN = 4, ACROSS = 17, DOWN = 13 };
 
-/* The docs' formula, written again: K1 and P1 are enough here. */
+/* The formula of pipeline/lens.h, written again. */
 struct brown {
     double x, y, k[3], p[3];
 };
@@ -227,6 +228,27 @@ static void wrong_lengths_are_refused(void **state)
     assert_false(file_exists("no.json"));
 }
 
+static void the_program_lists_its_commands(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"lens",     "scale", "stiffness", "rescale",
+                                        "friction", "hertz", "laws",      "settlement"};
+    command_done("calibration --help");
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        char line[40];
+        snprintf(line, sizeof line, "\n  %-10s ", names[k]);
+        assert_int_equal(text_count(command_out, line), 1);
+    }
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        command_done("calibration %s --help", names[k]);
+        assert_non_null(strstr(command_out, names[k]));
+    }
+    command_done("calibration --version");
+    assert_string_equal(command_out, "calibration (film) " FILM_VERSION "\n");
+    command_fails(2, "there is no such command", "calibration length");
+    command_fails(2, "which command?", "calibration");
+}
+
 static int begin(void **state)
 {
     if (folder_enter(state))
@@ -240,7 +262,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_drawn_plate_gives_its_lens), cmocka_unit_test(what_is_no_plate_is_refused),
         cmocka_unit_test(lengths_give_the_scale),       cmocka_unit_test(the_lens_is_undone_first),
-        cmocka_unit_test(wrong_lengths_are_refused),
+        cmocka_unit_test(wrong_lengths_are_refused),    cmocka_unit_test(the_program_lists_its_commands),
     };
     return cmocka_run_group_tests(tests, begin, folder_leave);
 }

@@ -76,41 +76,17 @@ static void write_photo_side(void)
 
 /* ---- SVG ---- */
 
-struct stroke {
-    double width, x0, y0, x1, y1;
-};
-
-/* The straight strokes of that colour (as cairo writes its red share), in the order in which they are drawn. */
-static size_t strokes_of(const char *svg, const char *colour, struct stroke *strokes, size_t room)
-{
-    size_t count = 0;
-    for (const char *at = svg; (at = strstr(at, "<path ")); at++) {
-        char element[600] = "", *d, *width;
-        size_t length = strcspn(at, ">");
-        memcpy(element, at, length < sizeof element ? length : sizeof element - 1);
-        d = strstr(element, " d=\"M "), width = strstr(element, "stroke-width");
-        struct stroke s;
-        if (!d || !width || !strstr(element, colour) || strstr(d, " C ") ||
-            sscanf(d, " d=\"M %lf %lf L %lf %lf", &s.x0, &s.y0, &s.x1, &s.y1) != 4)
-            continue;
-        s.width = strtod(width + strcspn(width, "0123456789"), NULL);
-        assert_true(count < room);
-        strokes[count++] = s;
-    }
-    return count;
-}
-
 /* Lines run from centre to centre (to the foot on a wall), small forces first, as wide as the force: 0.22 radii for
  * the mean one. The view: the box and a margin of 3 % of it; three more lines stand in the legend. */
 static void lines_are_as_wide_as_the_forces(void **state)
 {
     (void)state;
     enum { MOST = 60 };
-    struct stroke blue[MOST], red[MOST];
+    struct svg_stroke blue[MOST], red[MOST];
     const double scale = 1000 / (1.06 * LATTICE_BOX), mean = 4 * (450 + 330) / 24.0;
     command_done("report map 0000.forces.hdf --width 1000 -o map.svg");
     char *svg = check_svg("map.svg");
-    size_t sticking = strokes_of(svg, "rgb(0%,44.7", blue, MOST), slipping = strokes_of(svg, "rgb(83.5", red, MOST);
+    size_t sticking = svg_strokes(svg, "rgb(0%,44.7", blue, MOST), slipping = svg_strokes(svg, "rgb(83.5", red, MOST);
     /* the legend: three widths and a sample of each colour */
     assert_int_equal(sticking, LATTICE_CONTACTS - 2 + 3 + 1);
     assert_int_equal(slipping, 2 + 1);
@@ -137,10 +113,10 @@ static void contacts_without_forces_are_lines_too(void **state)
 {
     (void)state;
     enum { MOST = 60 };
-    struct stroke blue[MOST];
+    struct svg_stroke blue[MOST];
     command_done("report map 0002.contacts.hdf --width 1000 --title 'a <title>' -o contacts.svg");
     char *svg = check_svg("contacts.svg");
-    assert_int_equal(strokes_of(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS);
+    assert_int_equal(svg_strokes(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS);
     for (int c = 0; c < LATTICE_CONTACTS; c++)
         check_near(blue[c].width, c == 2 ? 1 : 2, 1e-6);              /* the candidate, dotted */
     assert_int_equal(text_count(svg, "stroke-dasharray"), 1 + 1 + 1); /* the candidate, the rattler, its legend */
@@ -251,10 +227,10 @@ static void wrong_maps_are_refused(void **state)
 static void check_hills(const char *path, double bright)
 {
     enum { MOST = 60 };
-    struct stroke grid[MOST];
+    struct svg_stroke grid[MOST];
     double y[MOST], decade = 0;
     char *svg = check_svg(path);
-    size_t lines = strokes_of(svg, "stroke:rgb(88", grid, MOST), dots = 0;
+    size_t lines = svg_strokes(svg, "stroke:rgb(88", grid, MOST), dots = 0;
     for (size_t k = 1; k < lines; k++) /* those across are a decade apart */
         if (grid[k].y0 == grid[k].y1 && grid[k - 1].y0 == grid[k - 1].y1)
             decade = grid[k - 1].y0 - grid[k].y0;
@@ -309,14 +285,14 @@ static void the_threshold_is_marked(void **state)
 {
     (void)state;
     enum { MOST = 60 };
-    struct stroke lines[MOST];
+    struct svg_stroke lines[MOST];
     write_found("found.hdf", "{\"threshold\": 30000}");
     write_found("silent.hdf", NULL);
     write_found("other.hdf", "{\"rims\": 3}");
     command_done("report histogram --grains found.hdf part.tif -o marked.svg");
     command_done("report histogram part.tif -o plain.svg");
     char *marked = check_svg("marked.svg"), *plain = check_svg("plain.svg");
-    size_t before = strokes_of(plain, "rgb(83.5", lines, MOST), after = strokes_of(marked, "rgb(83.5", lines, MOST);
+    size_t before = svg_strokes(plain, "rgb(83.5", lines, MOST), after = svg_strokes(marked, "rgb(83.5", lines, MOST);
     assert_int_equal(before, 0);
     assert_true(after >= 1);
     check_near(lines[0].x1, lines[0].x0, 1e-6);
