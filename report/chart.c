@@ -12,6 +12,10 @@ static const double COLOURS[][3] = {{COLOUR_BLUE},   {COLOUR_VERMILLION}, {COLOU
                                     {COLOUR_ORANGE}, {COLOUR_PURPLE},     {COLOUR_SKY}};
 enum { COLOUR_COUNT = 6, MARKERS = 4 };
 
+/* Of an axis, over its largest value: what differs by less is alike but for rounding, and so small steps would not move
+ * a number of that size. */
+static const double LEAST_SPAN = 1e-9;
+
 struct axis {
     double from, to, step; /* in decades when logarithmic */
     double begin, length;  /* px */
@@ -80,7 +84,7 @@ static double round_up(double value)
 
 static struct axis make_axis(double from, double to, double begin, double length, double whole)
 {
-    if (!(to > from)) {
+    if (!(to - from > LEAST_SPAN * fmax(fabs(from), fabs(to)))) {
         double room = fmax(fabs(from) * 0.1, 1e-12);
         from -= room;
         to += room;
@@ -189,6 +193,15 @@ static void set_style(cairo_t *cairo, const struct chart_line *line)
     cairo_set_line_width(cairo, 1.6);
 }
 
+/* Has the point no neighbour to draw a line to? A long line would hide it: the one grey level at which a photo is
+ * saturated, every level of an 8-bit photo whose contrast was stretched. */
+static int is_alone(const struct chart *chart, const struct chart_line *line, size_t k)
+{
+    int before = k > 0 && !isnan(height_of(chart, line, k - 1));
+    int after = k + 1 < line->count && !isnan(height_of(chart, line, k + 1));
+    return !before && !after;
+}
+
 static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const struct axis *x, const struct axis *y)
 {
     const struct chart_line *line = &chart->lines[l];
@@ -205,9 +218,10 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
     }
     cairo_stroke(cairo);
     cairo_set_dash(cairo, NULL, 0, 0);
-    for (size_t k = 0; k < line->count && (line->count <= 60 || line->scattered); k++) {
+    int all = line->count <= 60 || line->scattered;
+    for (size_t k = 0; k < line->count; k++) {
         double up = height_of(chart, line, k);
-        if (!isnan(up))
+        if (!isnan(up) && (all || is_alone(chart, line, k)))
             draw_marker(cairo, on(x, line->x[k]), on(y, up), line->style);
     }
 }

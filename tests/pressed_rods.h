@@ -29,13 +29,13 @@ struct pressed_law {
 static const struct pressed_law PRESSED_LAW = {5e6, 1.04e7, 250, 1.6e7, 9e6, 1.14e7, 180};
 enum { ROD_UP = 18, ROD_DOWN = 27 }; /* photos: loading 0..17, unloading 17..26, reloading 26..39 */
 
-static double pressed_slopes(double force, double low, double high, double at)
+static inline double pressed_slopes(double force, double low, double high, double at)
 {
     return fmin(force, at) / low + fmax(force - at, 0) / high;
 }
 
 /* Force in photo k and the deflection that the law gives it. */
-static double pressed_force(int k)
+static inline double pressed_force(int k)
 {
     if (k < ROD_UP)
         return 1000.0 * k / (ROD_UP - 1);
@@ -44,7 +44,7 @@ static double pressed_force(int k)
     return 1000.0 * (k - ROD_DOWN + 1) / (ROD_PHOTOS - ROD_DOWN);
 }
 
-static double pressed_deflection(int k)
+static inline double pressed_deflection(int k)
 {
     const struct pressed_law *law = &PRESSED_LAW;
     double most = pressed_slopes(1000, law->k_low, law->k_high, law->at), force = pressed_force(k);
@@ -55,7 +55,7 @@ static double pressed_deflection(int k)
     return most - 1000 / law->k_back + pressed_slopes(force, law->again_low, law->again_high, law->again_at);
 }
 
-static int pressed_place(const struct pressed_rods *rods, int k, struct photo_grains *grains)
+static inline int pressed_place(const struct pressed_rods *rods, int k, struct photo_grains *grains)
 {
     static const char *const columns[] = {"x_px", "y_px",     "radius_px", "angle", "s_x",
                                           "s_y",  "s_radius", "flags",     NULL};
@@ -76,7 +76,8 @@ static int pressed_place(const struct pressed_rods *rods, int k, struct photo_gr
     return 0;
 }
 
-static int pressed_photo(const struct pressed_rods *rods, int k, const struct photo_grains *grains, struct photo *photo)
+static inline int pressed_photo(const struct pressed_rods *rods, int k, const struct photo_grains *grains,
+                                struct photo *photo)
 {
     struct optics optics = OPTICS_DEFAULT;
     optics.seed = rods->seed;
@@ -90,7 +91,7 @@ static int pressed_photo(const struct pressed_rods *rods, int k, const struct ph
 }
 
 /* Draw the photos and follow the rods: tracks of all photos, index and time (2 s apart) as a series has them. */
-static int pressed_follow(const struct pressed_rods *rods, struct press_photo tracked[ROD_PHOTOS])
+static inline int pressed_follow(const struct pressed_rods *rods, struct press_photo tracked[ROD_PHOTOS])
 {
     struct tracker_options options = TRACKER_DEFAULT;
     struct photo_grains first = {0};

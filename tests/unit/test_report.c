@@ -329,7 +329,7 @@ static void test_chart(void **unused)
     unsigned char *svg;
     size_t length;
     struct chart chart = {.title = "t", .x_label = "x", .y_label = "y", .log_y = 1};
-    struct chart_line *line = chart_add(&chart, "a", 3);
+    struct chart_line *line = chart_add(&chart, "a", 4);
     assert_non_null(line);
     assert_true(chart_is_empty(&chart));
     chart_put(line, 1, -1);
@@ -341,6 +341,14 @@ static void test_chart(void **unused)
     chart_draw(&chart, canvas.cairo, 300, 200);
     check_done(canvas_take(&canvas, &svg, &length));
     assert_int_equal(memcmp(svg, "<?xml", 5), 0);
+    free(svg);
+    chart.log_y = 0;
+    chart_put(line, 1 - 0x1p-53, 1 - 0x1p-53); /* one rounding away: still as many ticks as for one point, not 10^9 */
+    line->y[0] = NAN;
+    check_done(canvas_begin_memory(&canvas, CANVAS_SVG, 300, 200));
+    chart_draw(&chart, canvas.cairo, 300, 200);
+    check_done(canvas_take(&canvas, &svg, &length));
+    check_at_most((double)length, 1e5);
     free(svg);
     chart_free(&chart);
     chart_free(&chart);
