@@ -11,6 +11,7 @@
 #include "pipeline/stress.h"
 
 #define MAP_MARGIN 0.01 /* no contact law is better known: LEAST_SLACK of evidence.c */
+#define DOUBTFUL 0.01   /* <fn>: more left than that may be the network's fault and not the method's */
 
 const char *const FORCE_METHODS[] = {"cem", "cdm", "qsm", "map", NULL};
 const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
@@ -175,7 +176,14 @@ static int store(const struct packing *packing, const struct network *network, c
     return 0;
 }
 
-/* Are the loads infeasible? Then the ray that proves it stands in the result. */
+/* Iterations that stopped near equilibrium need no proof; map, which does not stop there, is asked whenever it failed.
+ */
+static int is_doubtful(enum force_method method, const struct outcome *outcome)
+{
+    return method != METHOD_CEM && !outcome->converged && (method == METHOD_MAP || outcome->imbalance > DOUBTFUL);
+}
+
+/* Are the loads infeasible for these contacts? Then the ray that proves it stands in the result. */
 static int prove(const struct network *network, const struct force_options *options, struct forces *forces)
 {
     double *y = calloc(network->dofs + 1, sizeof *y), least_sum = 0;
@@ -204,7 +212,7 @@ static int infer(const struct packing *packing, const struct network *network, c
     else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
              !judge(packing, network, options, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
-    if (!status && method == METHOD_MAP && !outcome.converged)
+    if (!status && is_doubtful(method, &outcome))
         status = prove(network, options, forces);
     if (!status && spread.s_fn)
         status = store_spread(network, &spread, &forces->contact);
