@@ -260,11 +260,18 @@ static void sum_up(const struct packing *packing, const struct contact_law *law,
     forces->violation = out / mean;
 }
 
+/* A contact that was lost costs qsm much, one too many next to nothing: it starts without force. */
+struct network_options method_network(const struct force_options *options, enum force_method method)
+{
+    int candidates = method == METHOD_MAP || (method == METHOD_QSM && options->candidates);
+    return (struct network_options){.candidates = candidates, .wall_mass = options->wall_mass};
+}
+
 int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
                  struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = {.candidates = method == METHOD_MAP, .wall_mass = options->wall_mass};
+    struct network_options network_options = method_network(options, method);
     memset(forces, 0, sizeof *forces);
     if (check_options(options, method) || network_build(packing, &options->law, &network_options, &network))
         return -1;
