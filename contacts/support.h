@@ -1,6 +1,7 @@
 /* The line of a wall found from the grains that lie on it. The outermost rims of a side pile up on the wall exactly as
  * overlaps pile up at zero between grains, so the density of pair_statistics.h, read as a likelihood of the line's
  * offset and tilt, is sharp at the wall: with n touching grains of mean overlap m the offset is known to about m / n.
+ * How hard this wall is pressed is not known: the scale of its overlaps is integrated over.
  * It is multiplied by a Gaussian prior (the frame's corners as given in the scene, or the predicted line), and the
  * mean and standard deviation of the product over a grid that is refined where the weight is are the line and its
  * errors. Without a grain near the line the prior stays. */

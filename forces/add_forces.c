@@ -32,8 +32,8 @@ static struct forces *make_room(struct packing *packing, enum force_method metho
 static void tell(const struct forces *forces)
 {
     log_event(forces->method, "iterations", (double)forces->iterations, "converged", (double)forces->converged,
-              "residual", forces->imbalance, "residual_mean", forces->imbalance_mean, "stress_xx", forces->stress[0][0],
-              "stress_yy", forces->stress[1][1], NULL);
+              "residual", forces->imbalance, "residual_mean", forces->imbalance_mean, "infeasible",
+              (double)forces->infeasible, "stress_xx", forces->stress[0][0], "stress_yy", forces->stress[1][1], NULL);
 }
 
 /* Another state is read for its forces. */

@@ -11,6 +11,7 @@
 #include "pipeline/stress.h"
 
 #define MAP_MARGIN 0.01 /* no contact law is better known: LEAST_SLACK of evidence.c */
+#define DOUBTFUL 0.01   /* <fn>: more left than that may be the network's fault and not the method's */
 
 const char *const FORCE_METHODS[] = {"cem", "cdm", "qsm", "map", NULL};
 const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
@@ -175,7 +176,14 @@ static int store(const struct packing *packing, const struct network *network, c
     return 0;
 }
 
-/* Are the loads infeasible? Then the ray that proves it stands in the result. */
+/* Iterations that stopped near equilibrium need no proof; map, which does not stop there, is asked whenever it failed.
+ */
+static int is_doubtful(enum force_method method, const struct outcome *outcome)
+{
+    return method != METHOD_CEM && !outcome->converged && (method == METHOD_MAP || outcome->imbalance > DOUBTFUL);
+}
+
+/* Are the loads infeasible for these contacts? Then the ray that proves it stands in the result. */
 static int prove(const struct network *network, const struct force_options *options, struct forces *forces)
 {
     double *y = calloc(network->dofs + 1, sizeof *y), least_sum = 0;
@@ -204,7 +212,7 @@ static int infer(const struct packing *packing, const struct network *network, c
     else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
              !judge(packing, network, options, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
-    if (!status && method == METHOD_MAP && !outcome.converged)
+    if (!status && is_doubtful(method, &outcome))
         status = prove(network, options, forces);
     if (!status && spread.s_fn)
         status = store_spread(network, &spread, &forces->contact);
@@ -252,11 +260,18 @@ static void sum_up(const struct packing *packing, const struct contact_law *law,
     forces->violation = out / mean;
 }
 
+/* A contact that was lost costs qsm much, one too many next to nothing: it starts without force. */
+struct network_options method_network(const struct force_options *options, enum force_method method)
+{
+    int candidates = method == METHOD_MAP || (method == METHOD_QSM && options->candidates);
+    return (struct network_options){.candidates = candidates, .wall_mass = options->wall_mass};
+}
+
 int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
                  struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = {.candidates = method == METHOD_MAP, .wall_mass = options->wall_mass};
+    struct network_options network_options = method_network(options, method);
     memset(forces, 0, sizeof *forces);
     if (check_options(options, method) || network_build(packing, &options->law, &network_options, &network))
         return -1;

@@ -11,6 +11,9 @@ struct outcome {
     double imbalance; /* network_judge() of the returned forces */
 };
 
+/* Which contacts a method works on. */
+struct network_options method_network(const struct force_options *options, enum force_method method);
+
 /* Each takes the start in f and leaves admissible forces there. */
 int cdm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome);
 int qsm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome);

@@ -31,9 +31,10 @@ int method_list_parse(const char *text, struct method_list *list)
     }
 }
 
-static const char *const KEYS[] = {"method",     "start",     "fix",       "rescale",    "tolerance", "iterations",
-                                   "relaxation", "thickness", "wall_mass", "orthogonal", "anderson",  "samples",
-                                   "walk",       "block",     "colours",   "stability",  "series",    NULL};
+static const char *const KEYS[] = {"method",     "start",      "fix",        "rescale",   "tolerance",
+                                   "iterations", "relaxation", "thickness",  "wall_mass", "orthogonal",
+                                   "anderson",   "samples",    "walk",       "block",     "colours",
+                                   "stability",  "series",     "candidates", NULL};
 
 static int read_words(const struct scene *scene, const cJSON *section, struct method_list *list,
                       struct force_options *options)
@@ -60,6 +61,7 @@ static int read_numbers(const struct scene *scene, const cJSON *section, struct 
          samples = options->samples, walk = options->walk;
     if (json_boolean(json, section, "rescale", &options->rescale) < 0 ||
         json_boolean(json, section, "orthogonal", &options->orthogonal) < 0 ||
+        json_boolean(json, section, "candidates", &options->candidates) < 0 ||
         json_boolean(json, section, "stability", &options->stability) < 0 ||
         json_number(json, section, "tolerance", 1e-14, 1, &options->tolerance) < 0 ||
         json_integer(json, section, "iterations", 0, 100000000, &iterations) < 0 ||
@@ -122,10 +124,11 @@ char *force_options_text(const struct method_list *list, const struct force_opti
         add_number(object, "mu_wall", options->law.mu_wall) || add_number(object, "rescale", options->rescale) ||
         add_number(object, "tolerance", options->tolerance) || add_number(object, "iterations", options->iterations) ||
         add_number(object, "relaxation", options->relaxation) || add_number(object, "thickness", options->thickness) ||
-        add_number(object, "wall_mass", options->wall_mass) || add_number(object, "orthogonal", options->orthogonal) ||
-        add_number(object, "anderson", options->anderson) || add_number(object, "block", options->block) ||
-        add_number(object, "colours", options->colours) || add_number(object, "samples", options->samples) ||
-        add_number(object, "walk", options->walk) || add_number(object, "stability", options->stability) ||
+        add_number(object, "wall_mass", options->wall_mass) || add_number(object, "candidates", options->candidates) ||
+        add_number(object, "orthogonal", options->orthogonal) || add_number(object, "anderson", options->anderson) ||
+        add_number(object, "block", options->block) || add_number(object, "colours", options->colours) ||
+        add_number(object, "samples", options->samples) || add_number(object, "walk", options->walk) ||
+        add_number(object, "stability", options->stability) ||
         (options->range && !cJSON_AddStringToObject(object, "range", options->range));
     if (!failed)
         text = json_print(object);

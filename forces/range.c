@@ -147,7 +147,7 @@ int range_forces(const struct packing *packing, const struct force_options *opti
                  struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = {.candidates = method == METHOD_MAP, .wall_mass = options->wall_mass};
+    struct network_options network_options = method_network(options, method);
     size_t count = packing->contacts.count;
     unsigned char *wanted = calloc(count + 1, 1);
     if (!wanted)

@@ -144,7 +144,7 @@ int walk_forces(const struct packing *packing, const struct force_options *optio
                 struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = {.candidates = method == METHOD_MAP, .wall_mass = options->wall_mass};
+    struct network_options network_options = method_network(options, method);
     if (method == METHOD_CEM)
         return error_input("a walk needs a method that seeks equilibrium: cdm, qsm or map");
     if (network_build(packing, &options->law, &network_options, &network))

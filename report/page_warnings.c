@@ -80,7 +80,7 @@ static void warn_photos(struct warnings *warnings, const struct series *series, 
 
 static void warn_method(struct warnings *warnings, const struct series *series, const char *method)
 {
-    struct tally open = {0}, imbalance = {0}, data = {0}, misfit[2] = {{0}, {0}};
+    struct tally open = {0}, imbalance = {0}, impossible = {0}, data = {0}, misfit[2] = {{0}, {0}};
     for (size_t k = 0; k < series->count; k++) {
         const struct packing_summary *packing = &series->rows[k].packing;
         for (size_t f = 0; f < packing->force_count; f++) {
@@ -90,6 +90,7 @@ static void warn_method(struct warnings *warnings, const struct series *series, 
             if (forces->iterations > 0) /* else a method without iterations */
                 tally_add(&open, forces->converged ? 0 : forces->iterations, 0, series->rows[k].name);
             tally_add(&imbalance, forces->imbalance, IMBALANCE, series->rows[k].name);
+            tally_add(&impossible, forces->infeasible ? forces->imbalance : 0, 0, series->rows[k].name);
             tally_add(&data, forces->data_misfit, DATA_MISFIT, series->rows[k].name);
             for (int axis = 0; axis < 2; axis++)
                 tally_add(&misfit[axis], fabs(forces->weber[axis][axis] / packing->applied[axis][axis] - 1),
@@ -99,6 +100,11 @@ static void warn_method(struct warnings *warnings, const struct series *series, 
     warn_tally(warnings, &open, method, "states it did not converge", 1, " iterations");
     warn_tally(warnings, &imbalance, method,
                "states a grain is left with an unbalanced force above 0.05 of the mean normal force", 1, "");
+    warn_tally(
+        warnings, &impossible, method,
+        "states no forces at all on these contacts balance the loads, so that a contact must have been missed or a "
+        "load is wrong; force chains may be elsewhere; unbalanced",
+        1, "");
     warn_tally(
         warnings, &data, method,
         "states the photo does not fit the others: unknown loads, a wrong mu or another reference; misfit above 1.5", 1,

@@ -63,7 +63,8 @@ static int summarise_photo(const struct loaded *loaded, struct photo_summary *ph
 
 static struct force_summary summarise_forces(const struct packing *packing, const struct forces *forces, double area)
 {
-    struct force_summary summary = {.iterations = forces->iterations, .converged = forces->converged};
+    struct force_summary summary = {
+        .iterations = forces->iterations, .converged = forces->converged, .infeasible = forces->infeasible};
     const struct contact_forces *contact = &forces->contact;
     size_t loaded = 0, slipping = 0;
     double sum = 0;

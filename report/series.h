@@ -17,7 +17,7 @@ struct photo_summary {
 
 struct force_summary {
     char method[NAME_LENGTH], start[NAME_LENGTH];
-    int iterations, converged;
+    int iterations, converged, infeasible;
     double imbalance, mean_fn, slipping; /* slipping: share of the loaded contacts */
     double data_misfit;                  /* 0: the method has none */
     double weber[2][2];

@@ -67,6 +67,7 @@ static int estimate(const struct packing *measured, enum force_method method, st
 {
     struct force_options options = thesis_options(method == METHOD_QSM ? START_OVERLAP : START_ZERO);
     options.rescale = method == METHOD_QSM;
+    options.candidates = 0; /* the contacts as they are decided */
     options.iterations = method == METHOD_QSM ? 600 : 3000;
     return infer_forces(measured, &options, method, forces);
 }

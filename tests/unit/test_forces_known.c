@@ -124,17 +124,20 @@ static void pulled_off_is_infeasible(void **state)
     struct forces forces;
     three_discs(&packing);
     options.start = START_ZERO;
-    check_done(infer_forces(&packing, &options, METHOD_MAP, &forces));
-    assert_int_equal(forces.infeasible, 0);
-    forces_free(&forces);
-    packing.grains.load_y[2] = 1530;
-    check_done(infer_forces(&packing, &options, METHOD_MAP, &forces));
-    assert_int_equal(forces.converged, 0);
-    assert_int_equal(forces.infeasible, 1);
-    assert_true(forces.ray.ray_y[2] > 0);
-    check_near(forces.ray.ray_x[2] / forces.ray.ray_y[2], 0, 1e-6);
-    check_near(forces.ray.ray_m[2] / forces.ray.ray_y[2], 0, 1e-6);
-    forces_free(&forces);
+    for (int pulled = 0; pulled < 2; pulled++) {
+        packing.grains.load_y[2] = pulled ? 1530 : -1530;
+        for (int method = METHOD_CDM; method <= METHOD_MAP; method++) {
+            check_done(infer_forces(&packing, &options, (enum force_method)method, &forces));
+            assert_int_equal(forces.converged, !pulled);
+            assert_int_equal(forces.infeasible, pulled);
+            if (pulled) {
+                assert_true(forces.ray.ray_y[2] > 0);
+                check_near(forces.ray.ray_x[2] / forces.ray.ray_y[2], 0, 1e-6);
+                check_near(forces.ray.ray_m[2] / forces.ray.ray_y[2], 0, 1e-6);
+            }
+            forces_free(&forces);
+        }
+    }
     packing_free(&packing);
 }
 

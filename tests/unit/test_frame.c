@@ -8,16 +8,16 @@
 
 #define PX 1e-4 /* m */
 
-/* Grains of radius 20 px along the bottom of a frame of 1000 x 800 px (origin at the bottom left, y up): overlaps of
- * mean 0.1 px with a wall that lies `offset` px outside the frame line and is tilted, one grain in five up to 5 px off.
- */
-static struct grains row_on_wall(size_t count, double offset, double tilt, double noise, uint64_t *seed)
+/* Grains of radius 20 px along the bottom of a frame of 1000 x 800 px (origin at the bottom left, y up): overlaps,
+ * half-normal of scale `load` px, with a wall that lies `offset` px outside the frame line and is tilted; one grain in
+ * five is up to 5 px off. */
+static struct grains row_on_wall(size_t count, double load, double offset, double tilt, double noise, uint64_t *seed)
 {
     static const char *const columns[] = {"x", "y", "radius", "angle", "s_radius", "flags", NULL};
     struct grains g;
     check_done(table_alloc(&GRAINS, &g, count, columns));
     for (size_t k = 0; k < count; k++) {
-        double x = 1000 * ((double)k + 0.5) / (double)count, overlap = fabs(0.1 * check_normal(seed));
+        double x = 1000 * ((double)k + 0.5) / (double)count, overlap = fabs(load * check_normal(seed));
         if (k % 5 == 4)
             overlap = -5 * check_uniform(seed);
         double wall = -offset - tilt * (x - 500);
@@ -44,32 +44,54 @@ static const struct pair_statistics usual = {
 
 static const struct rim_statistics usual_rims = {.bearing = &usual};
 
-/* Found offset and tilt against the truth, in units of their stated errors, over many draws. */
+/* Found offset (px) and tilt against the truth, rms over many draws: as they are, and in units of their stated errors.
+ */
+struct line_scores {
+    double offset, tilt, offset_stated, tilt_stated;
+};
+
+static struct line_scores score_lines(size_t grains, double load)
+{
+    enum { DRAWS = 60 };
+    uint64_t seed = 3;
+    struct line_scores sum = {0};
+    for (int draw = 0; draw < DRAWS; draw++) {
+        double offset = check_normal(&seed), tilt = 1e-3 * check_normal(&seed);
+        struct grains g = row_on_wall(grains, load, offset, tilt, 0.02, &seed);
+        struct wall_line line = bottom_line(1);
+        check_done(support_fit(&g, NULL, &usual_rims, &line));
+        double wrong = -line.middle.y / PX - offset, turned = -atan2(line.along.y, line.along.x) - tilt;
+        sum.offset += wrong * wrong / DRAWS;
+        sum.tilt += turned * turned / DRAWS;
+        sum.offset_stated += pow(wrong / (line.s_offset / PX), 2) / DRAWS;
+        sum.tilt_stated += pow(turned / line.s_angle, 2) / DRAWS;
+        table_free(&GRAINS, &g);
+    }
+    return (struct line_scores){sqrt(sum.offset), sqrt(sum.tilt), sqrt(sum.offset_stated), sqrt(sum.tilt_stated)};
+}
+
 static void test_line_from_grains(void **state)
 {
     (void)state;
-    enum { DRAWS = 60 };
-    uint64_t seed = 3;
-    double squares[2] = {0, 0}, errors[2] = {0, 0}, stated[2] = {0, 0};
-    for (int draw = 0; draw < DRAWS; draw++) {
-        double offset = check_normal(&seed), tilt = 1e-3 * check_normal(&seed);
-        struct grains g = row_on_wall(50, offset, tilt, 0.02, &seed);
-        struct wall_line line = bottom_line(1);
-        check_done(support_fit(&g, NULL, &usual_rims, &line));
-        double found = -line.middle.y / PX, turned = -atan2(line.along.y, line.along.x);
-        squares[0] += pow((found - offset) / (line.s_offset / PX), 2);
-        squares[1] += pow((turned - tilt) / line.s_angle, 2);
-        errors[0] += pow(found - offset, 2);
-        errors[1] += pow(turned - tilt, 2);
-        stated[0] += line.s_offset / PX;
-        stated[1] += line.s_angle;
-        table_free(&GRAINS, &g);
+    struct line_scores scores = score_lines(50, 0.1);
+    check_at_most(scores.offset, 0.015); /* px: m / n = 0.08 / 40, noise 0.02 / sqrt(40), and gaps near zero */
+    check_at_most(scores.tilt, 5e-5);
+    check_near(scores.offset_stated, 1, 0.3);
+    check_near(scores.tilt_stated, 1, 0.3);
+}
+
+/* Walls that bear more or less than the rest of the packing: overlaps of another scale than the photo's. */
+static void test_line_under_another_load(void **state)
+{
+    (void)state;
+    static const double loads[] = {0.05, 0.2};
+    for (int k = 0; k < 2; k++) {
+        struct line_scores scores = score_lines(30, loads[k]);
+        /* 24 of 30 touch, 0.8 of them per scale and px near zero: one in load / 0.8 / 24 px; noise 0.02 / sqrt(24) */
+        check_at_most(scores.offset, hypot(2 * loads[k] / 0.8 / 24, 2 * 0.02 / sqrt(24)));
+        check_near(scores.offset_stated, 1, 0.3);
+        check_near(scores.tilt_stated, 1, 0.3);
     }
-    check_at_most(sqrt(errors[0] / DRAWS), 0.015); /* px: m / n = 0.1 / 40, noise 0.02 / sqrt(40), and gaps near zero */
-    check_at_most(sqrt(errors[1] / DRAWS), 5e-5);
-    check_near(sqrt(squares[0] / DRAWS), 1, 0.3);
-    check_near(sqrt(squares[1] / DRAWS), 1, 0.3);
-    check_at_most(stated[0] / DRAWS, 0.015);
 }
 
 static void test_line_without_grains_keeps_the_prior(void **state)
@@ -87,7 +109,7 @@ static void test_exact_line_is_left_alone(void **state)
 {
     (void)state;
     uint64_t seed = 5;
-    struct grains g = row_on_wall(20, 0.5, 0, 0.02, &seed);
+    struct grains g = row_on_wall(20, 0.1, 0.5, 0, 0.02, &seed);
     struct wall_line line = bottom_line(0);
     check_done(support_fit(&g, NULL, &usual_rims, &line));
     check_near(line.middle.y, 0, 0);
@@ -101,7 +123,7 @@ static void test_line_follows_the_grains(void **state)
     (void)state;
     uint64_t seed = 7;
     const double turn = 10 * 3.14159265358979323846 / 180;
-    struct grains g = row_on_wall(50, 0, 0, 0.02, &seed);
+    struct grains g = row_on_wall(50, 0.1, 0, 0, 0.02, &seed);
     struct vec *before = calloc(g.count, sizeof *before);
     assert_non_null(before);
     struct vec middle = vec(500 * PX, 0), moved = vec(500 * PX, 12 * PX);
@@ -204,9 +226,13 @@ static void test_no_frame_no_walls(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_line_from_grains),         cmocka_unit_test(test_line_without_grains_keeps_the_prior),
-        cmocka_unit_test(test_exact_line_is_left_alone), cmocka_unit_test(test_line_follows_the_grains),
-        cmocka_unit_test(test_walls_follow_markers),     cmocka_unit_test(test_no_frame_no_walls),
+        cmocka_unit_test(test_line_from_grains),
+        cmocka_unit_test(test_line_under_another_load),
+        cmocka_unit_test(test_line_without_grains_keeps_the_prior),
+        cmocka_unit_test(test_exact_line_is_left_alone),
+        cmocka_unit_test(test_line_follows_the_grains),
+        cmocka_unit_test(test_walls_follow_markers),
+        cmocka_unit_test(test_no_frame_no_walls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -494,6 +494,8 @@ static void write_chain(const char *path, int64_t index, double shift)
         p.grains.x[k] += shift;
     }
     p.forces->iterations = 77;
+    p.forces->infeasible = 1;
+    p.forces->imbalance = 0.81;
     p.forces->data_misfit = 2.5;
     provenance.stage = "forces";
     provenance.index = index;
@@ -690,6 +692,8 @@ static void test_page(void **unused)
     check_done(html_end(&html));
     assert_non_null(strstr(html.text, "<title>a &lt;b&gt; &amp; c</title>"));
     assert_non_null(strstr(html.text, "dem: in 1 of 1 states it did not converge (worst 77 iterations, 0000)"));
+    assert_non_null(strstr(html.text, "a contact must have been missed"));
+    assert_non_null(strstr(html.text, "unbalanced (worst 0.81, 0000)"));
     assert_non_null(strstr(html.text, "misfit above 1.5 (worst 2.5, 0000)"));
     assert_non_null(strstr(html.text, "src=\"data:image/png;base64,"));
     assert_null(strstr(html.text, "<script"));
