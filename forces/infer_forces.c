@@ -260,7 +260,8 @@ static void sum_up(const struct packing *packing, const struct contact_law *law,
     forces->violation = out / mean;
 }
 
-/* A contact that was lost costs qsm much, one too many next to nothing: it starts without force. */
+/* A contact that was lost costs qsm much, one too many next to nothing (it starts without force); but without being
+ * asked it keeps to the decided contacts, as the thesis does. */
 struct network_options method_network(const struct force_options *options, enum force_method method)
 {
     int candidates = method == METHOD_MAP || (method == METHOD_QSM && options->candidates);

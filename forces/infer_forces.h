@@ -35,7 +35,7 @@ struct force_options {
     int block;         /* sweeps between two of Anderson's accelerations; 0: none */
     int colours; /* contacts that share no grain are visited at the same time, by all threads; 0: in their order */
     /* qsm */
-    int candidates; /* take in the contacts that are only candidates, as map does; 0: those that are decided */
+    int candidates; /* take in the contacts that are only candidates, as map does; default 0: those that are decided */
     int orthogonal; /* project onto the Coulomb cone orthogonally (associated flow) instead of vertically */
     int anderson;   /* columns of Anderson's acceleration, also of cdm's; 0: none */
 };
@@ -45,7 +45,7 @@ struct force_options {
 #define FORCE_OPTIONS_DEFAULT                                                                                          \
     {                                                                                                                  \
         .law = {.kn = NAN, .kt_over_kn = 1, .mu = NAN}, .tolerance = FORCE_TOLERANCE, .relaxation = 1,                 \
-        .wall_mass = FORCE_WALL_MASS, .candidates = 1, .anderson = FORCE_ANDERSON                                      \
+        .wall_mass = FORCE_WALL_MASS, .anderson = FORCE_ANDERSON                                                       \
     }
 
 /* A method that does not converge is not a failure: forces->converged is 0 and the imbalance says how far it is. */

@@ -59,7 +59,6 @@ static void overlaps_give_the_forces_back(void **state)
         }
 }
 
-/* The held component is that of the truth, to 1e-6 of the mean normal force. */
 /* Every third of the contacts that carry less than 0.3 of the mean force was lost: their measured overlaps came out
  * just below zero and they stand as candidates. Without them no forces balance the loads, and the proof says so; with
  * them qsm finds the truth again. */
@@ -94,6 +93,7 @@ static void qsm_takes_in_candidates(void **state)
     packing_free(&measured);
 }
 
+/* The held component is that of the truth, to 1e-6 of the mean normal force. */
 static void check_held(const struct packing *truth, enum force_fix fix, const struct forces *forces)
 {
     const struct contact_forces *dem = &truth->forces[0].contact;
