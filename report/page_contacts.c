@@ -94,25 +94,27 @@ static int distribution_chart(const struct series *series, const struct packing 
 }
 
 struct rose {
+    const char *title;
     double share[ROSE_BINS];
     struct rose_outline outlines[SERIES_METHODS];
     size_t count;
 };
 
-static const char ROSE_TITLE[] = "Contact directions, and mean normal force of each";
 static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
 
 static int draw_rose(cairo_t *cairo, const void *what)
 {
     const struct rose *rose = what;
-    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, ROSE_TITLE, rose->share, rose->outlines, rose->count);
+    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
     return 0;
 }
 
 static int rose_picture(const struct series *series, const struct packing *packing, struct html *html)
 {
-    struct rose rose = {.count = 0};
-    struct picture picture = {ROSE_TITLE, ROSE_WIDTH, ROSE_HEIGHT, draw_rose, &rose};
+    const char *title =
+        packing->force_count ? "Contact directions, and mean normal force of each" : "Contact directions";
+    struct rose rose = {.title = title};
+    struct picture picture = {title, ROSE_WIDTH, ROSE_HEIGHT, draw_rose, &rose};
     contact_rose(packing, NULL, rose.share, NULL);
     for (size_t f = 0; f < packing->force_count && rose.count < SERIES_METHODS; f++) {
         struct rose_outline *outline = &rose.outlines[rose.count++];
