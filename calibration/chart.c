@@ -8,7 +8,12 @@
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
 
-enum { LEFT = 78, TOP = 34, WIDTH = 330, HEIGHT = 250, PANEL = 450, BOTTOM = 52, TICKS = 5 };
+enum { LEFT = 78, TITLE = 22, WIDTH = 330, HEIGHT = 250, PANEL = 450, BOTTOM = 52, TICKS = 5, KEY_ROW = 16 };
+
+/* Upper left corner of the axes, px. */
+struct corner {
+    double left, top;
+};
 
 /* Colours that are told apart with any colour vision (Okabe and Ito 2008). */
 static const char *const COLOURS[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"};
@@ -76,7 +81,7 @@ static void write_text(FILE *file, double x, double y, const char *anchor, const
     fputs("</text>\n", file);
 }
 
-static void write_ticks(FILE *file, const struct axis *axis, double left, int vertical)
+static void write_ticks(FILE *file, const struct axis *axis, const struct corner *at, int vertical)
 {
     double step = tick_step(axis);
     for (double t = ceil(axis->low / step) * step; t <= axis->high; t += step) {
@@ -85,25 +90,26 @@ static void write_ticks(FILE *file, const struct axis *axis, double left, int ve
         double value = axis->log ? pow(10, t) : fabs(t) < 1e-9 * step ? 0 : t;
         snprintf(text, sizeof text, "%.4g", value);
         if (vertical) {
-            double y = TOP + HEIGHT * (1 - share);
-            fprintf(file, "<path d=\"M%.1f %.1fh%d\" stroke=\"#ddd\"/>\n", left, y, WIDTH);
-            write_text(file, left - 5, y + 4, "end", "", text);
+            double y = at->top + HEIGHT * (1 - share);
+            fprintf(file, "<path d=\"M%.1f %.1fh%d\" stroke=\"#ddd\"/>\n", at->left, y, WIDTH);
+            write_text(file, at->left - 5, y + 4, "end", "", text);
         } else {
-            double x = left + WIDTH * share;
-            fprintf(file, "<path d=\"M%.1f %dv%d\" stroke=\"#ddd\"/>\n", x, TOP, HEIGHT);
-            write_text(file, x, TOP + HEIGHT + 16, "middle", "", text);
+            double x = at->left + WIDTH * share;
+            fprintf(file, "<path d=\"M%.1f %.1fv%d\" stroke=\"#ddd\"/>\n", x, at->top, HEIGHT);
+            write_text(file, x, at->top + HEIGHT + 16, "middle", "", text);
         }
     }
 }
 
-static void write_curve(FILE *file, const struct chart_curve *curve, const struct axis axes[2], double left,
+static void write_curve(FILE *file, const struct chart_curve *curve, const struct axis axes[2], const struct corner *at,
                         const char *colour)
 {
     int down = 0;
     if (curve->style == CHART_LINE)
         fprintf(file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"1.5\" d=\"", colour);
     for (size_t k = 0; k < curve->count; k++) {
-        double x = place(&axes[0], curve->x[k], left, WIDTH), y = place(&axes[1], curve->y[k], TOP + HEIGHT, -HEIGHT);
+        double x = place(&axes[0], curve->x[k], at->left, WIDTH),
+               y = place(&axes[1], curve->y[k], at->top + HEIGHT, -HEIGHT);
         int there = isfinite(x) && isfinite(y);
         if (there && curve->style == CHART_LINE)
             fprintf(file, "%c%.2f %.2f", down ? 'L' : 'M', x, y);
@@ -116,38 +122,63 @@ static void write_curve(FILE *file, const struct chart_curve *curve, const struc
         fputs("\"/>\n", file);
 }
 
-static void write_panel(FILE *file, const struct chart_panel *panel, double left)
+/* The names between title and axes, in as many rows as they need; the width of letters is taken from above. Returns
+ * the number of rows; writes when there is a file. */
+static int key(FILE *file, const struct chart_panel *panel, double left)
+{
+    const double LETTER = 7, SWATCH = 18, GAP = 14;
+    double x = 0;
+    int rows = 0;
+    for (size_t c = 0; c < panel->curve_count; c++) {
+        const char *name = panel->curves[c].name;
+        if (!name)
+            continue;
+        double width = SWATCH + LETTER * (double)strlen(name);
+        if (rows == 0 || x + width > WIDTH)
+            rows++, x = 0;
+        double y = TITLE + KEY_ROW * rows;
+        if (file) {
+            fprintf(file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"4\" fill=\"%s\"/>\n", left + x, y - 6,
+                    COLOURS[c % COLOUR_COUNT]);
+            write_text(file, left + x + SWATCH, y, "start", "", name);
+        }
+        x += width + GAP;
+    }
+    return rows;
+}
+
+static void write_panel(FILE *file, const struct chart_panel *panel, const struct corner *at)
 {
     struct axis axes[2] = {axis_of(panel, 0), axis_of(panel, 1)};
     char turned[96];
-    write_ticks(file, &axes[0], left, 0);
-    write_ticks(file, &axes[1], left, 1);
-    fprintf(file, "<rect x=\"%.1f\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"none\" stroke=\"#888\"/>\n", left, TOP,
-            WIDTH, HEIGHT);
-    write_text(file, left, TOP - 12, "start", " font-weight=\"bold\"", panel->title);
-    write_text(file, left + WIDTH / 2, TOP + HEIGHT + 36, "middle", "", panel->x_label);
-    snprintf(turned, sizeof turned, " transform=\"rotate(-90 %.1f %d)\"", left - 62, TOP + HEIGHT / 2);
-    write_text(file, left - 62, TOP + HEIGHT / 2, "middle", turned, panel->y_label);
-    int named = 0;
-    for (size_t c = 0; c < panel->curve_count; c++) {
-        const char *colour = COLOURS[c % COLOUR_COUNT];
-        write_curve(file, &panel->curves[c], axes, left, colour);
-        if (!panel->curves[c].name)
-            continue;
-        double y = TOP + 14 + 15 * named++;
-        fprintf(file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"4\" fill=\"%s\"/>\n", left + 8, y - 6, colour);
-        write_text(file, left + 24, y, "start", "", panel->curves[c].name);
-    }
+    write_ticks(file, &axes[0], at, 0);
+    write_ticks(file, &axes[1], at, 1);
+    fprintf(file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"%d\" fill=\"none\" stroke=\"#888\"/>\n", at->left,
+            at->top, WIDTH, HEIGHT);
+    write_text(file, at->left, TITLE, "start", " font-weight=\"bold\"", panel->title);
+    write_text(file, at->left + WIDTH / 2, at->top + HEIGHT + 36, "middle", "", panel->x_label);
+    double middle = at->top + HEIGHT / 2;
+    snprintf(turned, sizeof turned, " transform=\"rotate(-90 %.1f %.1f)\"", at->left - 62, middle);
+    write_text(file, at->left - 62, middle, "middle", turned, panel->y_label);
+    for (size_t c = 0; c < panel->curve_count; c++)
+        write_curve(file, &panel->curves[c], axes, at, COLOURS[c % COLOUR_COUNT]);
+    key(file, panel, at->left);
 }
 
 static int write_chart(FILE *file, const struct chart_panel *panels, size_t count)
 {
+    int rows = 0;
+    for (size_t p = 0; p < count; p++) {
+        int needed = key(NULL, &panels[p], 0);
+        rows = needed > rows ? needed : rows;
+    }
+    struct corner at = {LEFT, TITLE + 12 + KEY_ROW * rows};
     fprintf(file,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%zu\" height=\"%d\" font-family=\"sans-serif\" "
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%zu\" height=\"%.0f\" font-family=\"sans-serif\" "
             "font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
-            PANEL * count, TOP + HEIGHT + BOTTOM);
-    for (size_t p = 0; p < count; p++)
-        write_panel(file, &panels[p], LEFT + (double)(PANEL * p));
+            PANEL * count, at.top + HEIGHT + BOTTOM);
+    for (size_t p = 0; p < count; p++, at.left += PANEL)
+        write_panel(file, &panels[p], &at);
     fputs("</svg>\n", file);
     return ferror(file) ? -1 : 0;
 }

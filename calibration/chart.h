@@ -20,7 +20,7 @@ struct chart_panel {
     size_t curve_count;
 };
 
-/* Panels side by side, each with its axes and legend; written whole or not at all. */
+/* Panels side by side, each with its axes and, above them, its key; written whole or not at all. */
 int chart_write(const char *path, const struct chart_panel *panels, size_t count);
 
 #endif

@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <string.h>
 
+#include "contacts/picture.h"
+
 enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR, PICTURE };
 
 static const struct argp_option option_list[] = {
@@ -50,6 +52,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
             arguments->given.radius_offset_auto = 1;
         return 0;
     case PICTURE:
+        if (!overlap_picture_is_svg(arg))
+            argp_error(state, "--picture %s: no picture of overlaps has this ending: name it .svg", arg);
         arguments->picture = arg;
         return 0;
     case REPAIR:

@@ -3,10 +3,17 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "pipeline/error.h"
+#include "pipeline/new_file.h"
 
-enum { WIDTH = 720, HEIGHT = 420, LEFT = 60, RIGHT = 700, TOP = 60, BOTTOM = 370 };
+enum { WIDTH = 720, HEIGHT = 420, LEFT = 70, RIGHT = 700, TOP = 60, BOTTOM = 370 };
+
+/* Colours that are told apart with any colour vision (Okabe and Ito 2008). */
+#define SKY "#56b4e9"
+#define ORANGE "#e69f00"
+#define VERMILLION "#d55e00"
 
 static double x_of(const struct overlap_histogram *histogram, double px)
 {
@@ -29,9 +36,9 @@ static void bars(FILE *stream, const struct overlap_histogram *histogram, double
         double x = x_of(histogram, histogram->low_px + b * histogram->width_px);
         double width = (double)(RIGHT - LEFT) / HISTOGRAM_BINS, idle = scale * histogram->idle[b];
         double bearing = scale * histogram->bearing[b];
-        fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"#9ecae1\"/>\n", x,
+        fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"" SKY "\"/>\n", x,
                 BOTTOM - bearing, width, bearing);
-        fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"#fdae6b\"/>\n", x,
+        fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"" ORANGE "\"/>\n", x,
                 BOTTOM - bearing - idle, width, idle);
     }
 }
@@ -56,19 +63,26 @@ static void axis(FILE *stream, const struct overlap_histogram *histogram, double
                 BOTTOM + 18, fabs(px) < 1e-9 * step ? 0 : px);
     fprintf(stream, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">overlap, px (below zero: gaps)</text>\n",
             (LEFT + RIGHT) / 2, BOTTOM + 40);
+    fprintf(stream,
+            "<text x=\"20\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 20 %d)\">pairs of grains per "
+            "%.3g px</text>\n",
+            (TOP + BOTTOM) / 2, (TOP + BOTTOM) / 2, histogram->width_px);
     fprintf(stream, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">%.0f</text>\n", LEFT - 6, TOP + 10, most);
     fprintf(stream, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">0</text>\n", LEFT - 6, BOTTOM);
-    fprintf(stream, "<path d=\"M%.1f %d V%d\" stroke=\"#d62728\" stroke-dasharray=\"4 3\"/>\n", x_of(histogram, 0),
-            BOTTOM, TOP);
+    fprintf(stream,
+            "<path d=\"M%.1f %d V%d\" stroke-width=\"1.5\" stroke=\"" VERMILLION "\" stroke-dasharray=\"4 3\"/>\n",
+            x_of(histogram, 0), BOTTOM, TOP);
 }
 
 static void words(FILE *stream, const struct contact_summary *summary)
 {
     fprintf(
         stream,
-        "<text x=\"%d\" y=\"22\">Pairs of grains per %.3g px: <tspan fill=\"#3182bd\">both can be squeezed</tspan>, "
-        "<tspan fill=\"#e6550d\">one is free</tspan>, and the fitted density</text>\n",
-        LEFT, summary->histogram.width_px);
+        "<rect x=\"%d\" y=\"12\" width=\"12\" height=\"12\" fill=\"" SKY "\"/><text x=\"%d\" y=\"22\">both grains can "
+        "be squeezed</text>\n<rect x=\"%d\" y=\"12\" width=\"12\" height=\"12\" fill=\"" ORANGE "\"/><text x=\"%d\" "
+        "y=\"22\">one is free</text>\n<path d=\"M%d 18 h24\" stroke=\"#222\" stroke-width=\"1.5\"/><text x=\"%d\" "
+        "y=\"22\">fitted density</text>\n",
+        LEFT, LEFT + 18, LEFT + 230, LEFT + 248, LEFT + 350, LEFT + 380);
     if (summary->undecided)
         fprintf(stream, "<text x=\"%d\" y=\"42\">radii as given: %s</text>\n", LEFT, summary->undecided);
     else if (summary->s_radius_scale > 0)
@@ -82,12 +96,9 @@ static void words(FILE *stream, const struct contact_summary *summary)
                 summary->radius_scale, summary->radius_offset_px);
 }
 
-int overlap_picture(const char *path, const struct contact_summary *summary)
+static int write_picture(FILE *stream, const struct contact_summary *summary)
 {
     double most = highest(&summary->histogram), scale = (BOTTOM - TOP) / most;
-    FILE *stream = fopen(path, "w");
-    if (!stream)
-        return error_failed("%s: %s: choose a place that can be written", path, strerror(errno));
     fprintf(stream,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family=\"sans-serif\" "
             "font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
@@ -99,10 +110,29 @@ int overlap_picture(const char *path, const struct contact_summary *summary)
     }
     words(stream, summary);
     fputs("</svg>\n", stream);
-    int failed = ferror(stream);
-    if (fclose(stream) || failed) {
-        remove(path);
-        return error_failed("%s: cannot be written: free some space", path);
-    }
-    return 0;
+    return ferror(stream) ? -1 : 0;
+}
+
+int overlap_picture_is_svg(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && !strcasecmp(dot, ".svg");
+}
+
+int overlap_picture(const char *path, const struct contact_summary *summary)
+{
+    struct new_file target = {0};
+    if (!overlap_picture_is_svg(path))
+        return error_input("%s: no picture of overlaps has this ending: name it .svg", path);
+    if (new_file_begin(&target, path))
+        return -1;
+    FILE *stream = fopen(target.temporary, "w");
+    int failed = !stream || write_picture(stream, summary);
+    if (stream)
+        failed |= fclose(stream) != 0;
+    if (!failed)
+        return new_file_commit(&target);
+    error_set(EXIT_FAILED, "%s: cannot be written: %s: free some space", path, strerror(errno));
+    new_file_discard(&target);
+    return -1;
 }

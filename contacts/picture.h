@@ -5,6 +5,8 @@
 
 #include "contacts/find_contacts.h"
 
+/* Whole or not at all; an input error for another ending than .svg. */
 int overlap_picture(const char *path, const struct contact_summary *summary);
+int overlap_picture_is_svg(const char *path);
 
 #endif

@@ -19,6 +19,7 @@ static const double LEAST_SPAN = 1e-9;
 struct axis {
     double from, to, step; /* in decades when logarithmic */
     double begin, length;  /* px */
+    int fine, first;       /* logarithmic with ticks at 1, 2, 5: the number of the first one, fine_tick() */
 };
 
 struct chart_line *chart_add(struct chart *chart, const char *name, size_t capacity)
@@ -33,7 +34,7 @@ struct chart_line *chart_add(struct chart *chart, const char *name, size_t capac
     line->x = malloc((capacity + 1) * sizeof *line->x);
     line->y = malloc((capacity + 1) * sizeof *line->y);
     line->count = 0;
-    line->dashed = line->without_key = line->scattered = 0;
+    line->dashed = line->without_key = line->scattered = line->open = line->unjoined = 0;
     if (line->x && line->y)
         return line;
     (void)error_memory("a chart");
@@ -96,6 +97,39 @@ static struct axis make_axis(double from, double to, double begin, double length
     return axis;
 }
 
+/* The logarithms of ..., 1, 2, 5, 10, 20, ...: 0 is that of 1. */
+static double fine_tick(int number)
+{
+    static const double digits[] = {1, 2, 5};
+    int decade = (int)floor(number / 3.0);
+    return decade + log10(digits[number - 3 * decade]);
+}
+
+/* Decades; below two of them 1, 2, 5 and so on, so that there is always more than one tick. */
+static struct axis make_log_axis(double from, double to, double begin, double length)
+{
+    if (to - from >= 2)
+        return make_axis(from, to, begin, length, 1);
+    struct axis axis = {.begin = begin, .length = length, .fine = 1};
+    axis.first = 3 * (int)floor(from);
+    while (fine_tick(axis.first + 1) <= from + 1e-9)
+        axis.first++;
+    int last = axis.first + 1;
+    while (fine_tick(last) < to - 1e-9)
+        last++;
+    axis.from = fine_tick(axis.first);
+    axis.to = fine_tick(last);
+    return axis;
+}
+
+/* Is there a tick of that number, from 0 on? Then *value is its place. */
+static int tick(const struct axis *axis, int number, double *value)
+{
+    double v = axis->fine ? fine_tick(axis->first + number) : axis->from + number * axis->step;
+    *value = !axis->fine && fabs(v) < 1e-9 * axis->step ? 0 : v;
+    return v <= axis->to + (axis->fine ? 1e-9 : 0.01 * axis->step);
+}
+
 static void measure(const struct chart *chart, double width, double height, struct axis *x, struct axis *y)
 {
     double x0 = INFINITY, x1 = -INFINITY, y0 = chart->from_zero ? 0 : INFINITY, y1 = chart->from_zero ? 0 : -INFINITY;
@@ -110,7 +144,10 @@ static void measure(const struct chart *chart, double width, double height, stru
             y1 = fmax(y1, up);
         }
     *x = make_axis(x0, x1, 78, width - 98, chart->whole_x ? 1 : 0);
-    *y = make_axis(y0, y1, height - 48, -(height - 90), chart->log_y ? 1 : 0);
+    if (chart->x_step > 0)
+        x->from = chart->x_from, x->to = chart->x_to, x->step = chart->x_step;
+    *y = chart->log_y ? make_log_axis(y0, y1, height - 48, -(height - 90))
+                      : make_axis(y0, y1, height - 48, -(height - 90), 0);
 }
 
 static double on(const struct axis *axis, double value)
@@ -130,8 +167,9 @@ static void draw_ticks(const struct chart *chart, cairo_t *cairo, const struct a
 {
     char text[32];
     cairo_set_line_width(cairo, 1);
-    for (double v = x->from; v <= x->to + 0.01 * x->step; v += x->step) {
-        number_text(fabs(v) < 1e-9 * x->step ? 0 : v, 0, text);
+    double v;
+    for (int k = 0; tick(x, k, &v); k++) {
+        number_text(v, 0, text);
         cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
         cairo_move_to(cairo, on(x, v), y->begin);
         cairo_line_to(cairo, on(x, v), y->begin + y->length);
@@ -139,8 +177,8 @@ static void draw_ticks(const struct chart *chart, cairo_t *cairo, const struct a
         cairo_set_source_rgb(cairo, COLOUR_INK);
         canvas_text(cairo, on(x, v), y->begin + 17, 0.5, 12, 0, text);
     }
-    for (double v = y->from; v <= y->to + 0.01 * y->step; v += y->step) {
-        number_text(fabs(v) < 1e-9 * y->step ? 0 : v, chart->log_y, text);
+    for (int k = 0; tick(y, k, &v); k++) {
+        number_text(v, chart->log_y, text);
         cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
         cairo_move_to(cairo, x->begin, on(y, v));
         cairo_line_to(cairo, x->begin + x->length, on(y, v));
@@ -184,13 +222,34 @@ static void draw_marker(cairo_t *cairo, double x, double y, size_t kind)
     cairo_fill(cairo);
 }
 
+const double *chart_colour(size_t style)
+{
+    return COLOURS[style % COLOUR_COUNT];
+}
+
 static void set_style(cairo_t *cairo, const struct chart_line *line)
 {
     static const double dashes[] = {5, 4};
-    const double *colour = COLOURS[line->style % COLOUR_COUNT];
-    cairo_set_source_rgb(cairo, colour[0], colour[1], colour[2]);
+    const double *colour = chart_colour(line->style);
+    if (line->open)
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+    else
+        cairo_set_source_rgb(cairo, colour[0], colour[1], colour[2]);
     cairo_set_dash(cairo, dashes, line->dashed ? 2 : 0, 0);
-    cairo_set_line_width(cairo, 1.6);
+    cairo_set_line_width(cairo, line->open ? 0.8 : 1.6);
+}
+
+/* In the style that is set. */
+static void mark(cairo_t *cairo, const struct chart_line *line, double x, double y)
+{
+    if (!line->open) {
+        draw_marker(cairo, x, y, line->style);
+        return;
+    }
+    cairo_new_path(cairo);
+    cairo_arc(cairo, x, y, 5, 0, 2 * M_PI);
+    cairo_set_line_width(cairo, 1.4);
+    cairo_stroke(cairo);
 }
 
 /* Has the point no neighbour to draw a line to? A long line would hide it: the one grey level at which a photo is
@@ -210,7 +269,7 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
     cairo_new_path(cairo);
     for (size_t k = 0; k < line->count; k++) {
         double up = height_of(chart, line, k);
-        if (!isnan(up) && pen_down)
+        if (!isnan(up) && pen_down && !line->unjoined)
             cairo_line_to(cairo, on(x, line->x[k]), on(y, up));
         else if (!isnan(up))
             cairo_move_to(cairo, on(x, line->x[k]), on(y, up));
@@ -222,7 +281,7 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
     for (size_t k = 0; k < line->count; k++) {
         double up = height_of(chart, line, k);
         if (!isnan(up) && (all || is_alone(chart, line, k)))
-            draw_marker(cairo, on(x, line->x[k]), on(y, up), line->style);
+            mark(cairo, line, on(x, line->x[k]), on(y, up));
     }
 }
 
@@ -234,10 +293,10 @@ static void draw_key(const struct chart *chart, cairo_t *cairo, double left)
             continue;
         set_style(cairo, &chart->lines[l]);
         cairo_move_to(cairo, left, 31);
-        cairo_line_to(cairo, left + 20, 31);
+        cairo_line_to(cairo, left + (chart->lines[l].unjoined ? 0 : 20), 31);
         cairo_stroke(cairo);
         cairo_set_dash(cairo, NULL, 0, 0);
-        draw_marker(cairo, left + 10, 31, chart->lines[l].style);
+        mark(cairo, &chart->lines[l], left + 10, 31);
         cairo_set_source_rgb(cairo, COLOUR_INK);
         canvas_text(cairo, left + 25, 35, 0, 12, 0, chart->lines[l].name);
         cairo_text_extents(cairo, chart->lines[l].name, &extents);

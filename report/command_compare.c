@@ -7,6 +7,7 @@
 #include "report/commands.h"
 #include "report/compare.h"
 #include "report/loaded.h"
+#include "report/method.h"
 
 struct options {
     struct cli cli;
@@ -17,8 +18,8 @@ struct options {
 enum { KEY_METHOD = 0x2000, KEY_TRUTH_METHOD, KEY_FROM, KEY_FROM_A, KEY_JSON };
 
 static const struct argp_option option_list[] = {
-    {"method", KEY_METHOD, "M", 0, "Forces of A to judge (default: the first method in A)", 0},
-    {"truth-method", KEY_TRUTH_METHOD, "M", 0, "Forces of B (default: dem when B has it, else its first method)", 0},
+    {"method", KEY_METHOD, "M", 0, "Forces of A to judge (default: " METHOD_DEFAULT_ORDER ")", 0},
+    {"truth-method", KEY_TRUTH_METHOD, "M", 0, "Forces of B (default: dem when B has it, else as for A)", 0},
     {"from", KEY_FROM, "B0.hdf", 0, "Truth of the reference photo: compare motions since then", 0},
     {"from-a", KEY_FROM_A, "A0.hdf", 0, "Where A's grains started, when A does not say it itself (tracks do)", 0},
     {"json", KEY_JSON, "OUT.json", 0, "Write the numbers here too, as one JSON object", 0},

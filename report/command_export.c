@@ -7,6 +7,7 @@
 #include "report/commands.h"
 #include "report/export.h"
 #include "report/export_series.h"
+#include "report/method.h"
 #include "report/text_file.h"
 
 struct options {
@@ -27,7 +28,7 @@ static const struct argp_option option_list[] = {
     {"conf", KEY_CONF, NULL, 0, "Grains as CONFnnnn of the original programs (contacts or forces files)", 0},
     {"dic", KEY_DIC, NULL, 0, "Motions as dic_out_n.txt of the original programs (tracks files)", 0},
     {"table", KEY_TABLE, "T", 0, "With --csv: grains (default), contacts (with all forces) or walls", 0},
-    {"method", KEY_METHOD, "M", 0, "With --lammps-local: whose forces (default: the first method in the file)", 0},
+    {"method", KEY_METHOD, "M", 0, "With --lammps-local: whose forces (default: " METHOD_DEFAULT_ORDER ")", 0},
     {0}};
 
 static const char documentation[] =

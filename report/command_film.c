@@ -17,7 +17,10 @@ struct options {
 enum { KEY_METHOD = 0x2000, KEY_WIDTH };
 
 static const struct argp_option option_list[] = {
-    {"method", KEY_METHOD, "M", 0, "Which forces (default: the first method in each file)", 0},
+    {"method", KEY_METHOD, "M", 0,
+     "Which forces (default: one for all frames: series, else map, else the first of qsm, cdm, cem, dem, then others "
+     "by name that converged in all states)",
+     0},
     {"width", KEY_WIDTH, "PX", 0, "Width of the frames (default 1400)", 0},
     {0}};
 

@@ -8,6 +8,7 @@
 #include "report/canvas.h"
 #include "report/commands.h"
 #include "report/loaded.h"
+#include "report/method.h"
 #include "report/map.h"
 #include "report/photo_map.h"
 
@@ -21,7 +22,8 @@ struct options {
 enum { KEY_METHOD = 0x2000, KEY_PHOTO, KEY_TITLE, KEY_WIDTH, KEY_MEAN, KEY_ARROWS };
 
 static const struct argp_option option_list[] = {
-    {"method", KEY_METHOD, "M", 0, "Which forces (default: the first method in the file; none: contacts only)", 0},
+    {"method", KEY_METHOD, "M", 0,
+     "Which forces (default: " METHOD_DEFAULT_ORDER "; a file without forces: its contacts)", 0},
     {"photo", KEY_PHOTO, "P.tif", 0, "Draw over this photo; files in m need --scene, which places it", 0},
     {"title", KEY_TITLE, "TEXT", 0, "Title in the legend (default: the file's name)", 0},
     {"width", KEY_WIDTH, "PX", 0, "Width of the picture (default 1400)", 0},
@@ -88,15 +90,6 @@ static int draw(struct map *map, const char *path)
     return canvas_commit(&canvas);
 }
 
-static int choose_forces(const struct packing *packing, const char *path, const char *method,
-                         const struct forces **forces)
-{
-    *forces = method ? packing_forces(packing, method) : packing->force_count ? &packing->forces[0] : NULL;
-    if (method && !*forces)
-        return error_input("%s: has no forces of method '%s': choose one that it has", path, method);
-    return 0;
-}
-
 static int read_photo(const char *path, struct photo *photo)
 {
     struct photo_request request = {.channel = PHOTO_GREY_OF_RGB};
@@ -145,7 +138,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
     struct photo photo = {0};
     struct map map = {
         .packing = &loaded->packing, .width = options->width, .mean_fn = options->mean_fn, .title = title};
-    int result = choose_forces(&loaded->packing, loaded->path, options->method, &map.forces);
+    int result = method_choose(&loaded->packing, loaded->path, options->method, &map.forces);
     if (result == 0 && options->photo) {
         map.photo = &photo;
         map.scene = &scene;

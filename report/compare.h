@@ -16,7 +16,7 @@ struct compare_photo {
 };
 int compare_photo(const struct compare_photo *pair, struct figures *figures);
 
-/* SI side. Methods: NULL: the first one in the file; a file without forces compares its contacts only. */
+/* SI side. Methods: NULL: the default one (report/method.h); a file without forces compares its contacts only. */
 int compare_packings(const struct packing *a, const struct packing *b, const char *method_a, const char *method_b,
                      struct figures *figures);
 

@@ -6,6 +6,7 @@
 #include "pipeline/stress.h"
 #include "report/compare.h"
 #include "report/match.h"
+#include "report/method.h"
 #include "report/spread.h"
 
 double pearson(const double *a, const double *b, size_t count)
@@ -281,9 +282,7 @@ static int compare_forces(const struct packing *a, const struct packing *b, cons
 
 static const struct forces *pick_forces(const struct packing *packing, const char *method)
 {
-    if (method)
-        return packing_forces(packing, method);
-    return packing->force_count ? &packing->forces[0] : NULL;
+    return method ? packing_forces(packing, method) : method_default(packing);
 }
 
 /* same[c]: the row of contact c of A in B, or -1; to be freed. row: the same for grains, kept when `rows` is given. */

@@ -7,6 +7,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/json.h"
+#include "report/method.h"
 
 /* ---- LAMMPS ---- */
 
@@ -71,11 +72,9 @@ int export_lammps_local(const struct loaded *loaded, const char *method, FILE *s
     size_t count = 0, wall;
     if (need_si(loaded))
         return -1;
-    const struct forces *forces = method                 ? packing_forces(packing, method)
-                                  : packing->force_count ? &packing->forces[0]
-                                                         : NULL;
-    if (method && !forces)
-        return error_input("%s: has no forces of method '%s': choose one that it has", loaded->path, method);
+    const struct forces *forces;
+    if (method_choose(packing, loaded->path, method, &forces))
+        return -1;
     for (size_t c = 0; c < packing->contacts.count; c++)
         count += !packing_is_wall(packing, c, &wall);
     measure(&packing->grains, box);

@@ -8,8 +8,8 @@
 
 /* One step of a LAMMPS dump: grains (id type x y z radius angle flags). */
 int export_lammps(const struct loaded *loaded, FILE *stream);
-/* One step of a LAMMPS "dump local": the contacts between grains as bonds, with fn and ft of a method (NULL: the first
- * one; none: overlap only). */
+/* One step of a LAMMPS "dump local": the contacts between grains as bonds, with fn and ft of a method (NULL: the
+ * default one, report/method.h; without forces: overlap only). */
 int export_lammps_local(const struct loaded *loaded, const char *method, FILE *stream);
 /* NAME.hdf.series for ParaView: the files with their times (the index where no time is known). They must lie in the
  * folder of `output`, because the text holds base names. */

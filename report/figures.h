@@ -20,6 +20,8 @@ struct figures {
 void figures_add(struct figures *figures, const char *name, double value, const char *units, const char *text);
 /* The value of that name; NaN when there is none. */
 double figures_value(const struct figures *figures, const char *name);
+/* For people: three digits, units in which the number can be read (um, kPa). JSON has all digits, in SI units and px.
+ */
 void figures_print(const struct figures *figures, FILE *stream);
 /* One flat JSON object; a value that is not finite becomes null. Atomically. */
 int figures_write_json(const struct figures *figures, const char *path);

@@ -11,43 +11,40 @@
 #include "pipeline/progress.h"
 #include "report/canvas.h"
 #include "report/map.h"
+#include "report/method.h"
 
 /* What all frames share. */
 struct common {
     struct map_box box;
     double mean_fn;
+    struct methods methods;
+    const char *method; /* NULL: each file's default */
 };
 
-static int choose(const struct packing *packing, const char *path, const char *method, const struct forces **forces)
+static int look_at(const struct film *film, const char *path, struct common *common)
 {
-    *forces = method ? packing_forces(packing, method) : packing->force_count ? &packing->forces[0] : NULL;
-    if (method && !*forces)
-        return error_input("%s: has no forces of method '%s': choose one that it has", path, method);
-    return 0;
+    struct packing packing;
+    const struct forces *forces;
+    if (packing_read(path, &packing))
+        return -1;
+    int result = method_choose(&packing, path, film->method, &forces);
+    map_box_add(&common->box, &packing);
+    common->methods.states += packing.force_count > 0;
+    for (size_t f = 0; f < packing.force_count; f++)
+        methods_add(&common->methods, packing.forces[f].method, packing.forces[f].converged,
+                    map_mean_fn(&packing.forces[f]));
+    packing_free(&packing);
+    return result;
 }
 
 static int look_at_all(const struct film *film, char *const paths[], size_t count, struct common *common)
 {
-    double sum = 0;
-    size_t loaded = 0;
     *common = (struct common){.box = MAP_BOX_NONE};
-    for (size_t k = 0; k < count; k++) {
-        struct packing packing;
-        const struct forces *forces;
-        if (packing_read(paths[k], &packing))
+    for (size_t k = 0; k < count; k++)
+        if (look_at(film, paths[k], common))
             return -1;
-        int result = choose(&packing, paths[k], film->method, &forces);
-        map_box_add(&common->box, &packing);
-        double mean = result == 0 && forces ? map_mean_fn(forces) : NAN;
-        if (!isnan(mean)) {
-            sum += mean;
-            loaded++;
-        }
-        packing_free(&packing);
-        if (result)
-            return -1;
-    }
-    common->mean_fn = loaded ? sum / (double)loaded : NAN;
+    common->method = film->method ? film->method : methods_common(&common->methods);
+    common->mean_fn = methods_mean_fn(&common->methods, common->method);
     return 0;
 }
 
@@ -83,7 +80,7 @@ static int film_frame(const struct film *film, const struct common *common, cons
     snprintf(name, sizeof name, "%.*s", (int)strcspn(base, "."), base);
     struct map map = {
         .packing = &packing, .title = name, .width = film->width, .mean_fn = common->mean_fn, .box = &common->box};
-    int result = choose(&packing, path, film->method, &map.forces);
+    int result = method_choose(&packing, path, packing.force_count ? common->method : NULL, &map.forces);
     if (result == 0 && film->scene) {
         result = read_photo(film->scene, (long)packing.info.index, &photo);
         map.photo = &photo;

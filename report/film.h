@@ -5,7 +5,8 @@
 #include "pipeline/scene.h"
 
 struct film {
-    const char *method;        /* NULL: the first one in each file */
+    const char
+        *method; /* NULL: one for all files (report/method.h); each file's default where they have none in common */
     const struct scene *scene; /* over its photos; NULL: over circles */
     double width;              /* px */
 };

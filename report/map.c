@@ -11,6 +11,8 @@
 
 /* Of the mean radius: the width of the line of a mean force. */
 static const double MEAN_WIDTH = 0.22;
+/* Of the unit: from here on all lines are as wide, so that one absurd force does not cover the others. */
+static const double WIDEST = 8;
 static const double FULL_TURN = 6.283185307179586;
 
 /* ---- the view ---- */
@@ -54,6 +56,7 @@ int map_measure(struct map *map)
     map->scale = map->width / (across + 2 * margin);
     map->x0 = box.x0 - margin;
     map->y1 = box.y1 + margin;
+    map->margin = map->scale * margin;
     map->view_height = map->scale * (up + 2 * margin);
     map->height = ceil(map->view_height + 0.125 * map->width);
     if (map->height > 20 * map->width)
@@ -197,7 +200,17 @@ double map_unit_fn(const struct map *map)
 
 double map_line_width(const struct map *map, double fn)
 {
-    return MEAN_WIDTH * mean_radius(&map->packing->grains) * map->scale * fn / map_unit_fn(map);
+    double times = fmin(fn / map_unit_fn(map), WIDEST);
+    return MEAN_WIDTH * mean_radius(&map->packing->grains) * map->scale * times;
+}
+
+size_t map_cut_lines(const struct map *map)
+{
+    size_t cut = 0;
+    double widest = WIDEST * map_unit_fn(map);
+    for (size_t c = 0; map->forces && c < map->forces->contact.count; c++)
+        cut += isfinite(map->forces->contact.fn[c]) && map->forces->contact.fn[c] > widest;
+    return cut;
 }
 
 static int slips(const struct forces *forces, size_t c)
@@ -226,10 +239,11 @@ static void stroke_contact(const struct map *map, cairo_t *cairo, size_t c)
 
 static void draw_lines(const struct map *map, cairo_t *cairo, const struct line *lines, size_t count)
 {
-    double unit = map_line_width(map, 1), u = map->width / 1000;
+    double u = map->width / 1000, unit = map_unit_fn(map);
+    double widest = map_line_width(map, WIDEST * unit);
     for (int halo = map->photo ? 1 : 0; halo >= 0; halo--)
         for (size_t k = 0; k < count; k++) {
-            double width = fmax(unit * lines[k].fn, 0.5 * u);
+            double width = fmax(widest * fmin(lines[k].fn / (WIDEST * unit), 1), 0.5 * u);
             cairo_set_line_width(cairo, width + halo * 3 * u);
             if (halo)
                 cairo_set_source_rgba(cairo, 1, 1, 1, 0.55);
@@ -253,7 +267,11 @@ static int draw_forces(const struct map *map, cairo_t *cairo)
         if (contact->fn[c] > 0 && isfinite(contact->fn[c]))
             lines[count++] = (struct line){contact->fn[c], c};
     qsort(lines, count, sizeof *lines, by_force);
+    cairo_save(cairo);
+    cairo_rectangle(cairo, map->margin, map->margin, map->width - 2 * map->margin, map->view_height - 2 * map->margin);
+    cairo_clip(cairo); /* walls and rims: a wide line may stand out of them */
     draw_lines(map, cairo, lines, count);
+    cairo_restore(cairo);
     free(lines);
     return 0;
 }

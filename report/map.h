@@ -35,7 +35,7 @@ struct map {
     const struct map_box *box; /* what to show, m; NULL: this packing */
     /* set by map_measure() */
     double height, scale, x0, y1; /* px, px/m, m: left and top of the view */
-    double view_height;           /* px, without the legend */
+    double view_height, margin;   /* px: without the legend; around the walls and rims */
 };
 
 /* Choose the view: walls and rims with a margin. Error when no grain has a place. */
@@ -43,9 +43,11 @@ int map_measure(struct map *map);
 /* Draw into (0, 0, width, height). */
 int map_draw(const struct map *map, cairo_t *cairo);
 
-/* Parts of it: the force that gets the unit of width (N), the width of a force (px), what stands below the map. */
+/* Parts of it: the force that gets the unit of width (N), the width of a force (px), how many contacts bear more than
+ * the eight units at which the width ends, what stands below the map. */
 double map_unit_fn(const struct map *map);
 double map_line_width(const struct map *map, double fn);
+size_t map_cut_lines(const struct map *map);
 void map_legend(const struct map *map, cairo_t *cairo);
 
 #endif

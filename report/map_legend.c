@@ -31,6 +31,19 @@ static void legend_title(const struct map *map, cairo_t *cairo, double x, double
     canvas_text_within(cairo, x, y + 90 * u, width, 15 * u, 0, text);
 }
 
+/* What the widths do not say: <fn> of this state where another one is the unit, and lines that were cut. */
+static void legend_notes(const struct map *map, cairo_t *cairo, double x, double y, double u)
+{
+    char text[100] = "";
+    size_t cut = map_cut_lines(map), used = 0;
+    double here = map_mean_fn(map->forces);
+    if (fabs(here / map_unit_fn(map) - 1) > 1e-9)
+        used = (size_t)snprintf(text, sizeof text, "in this state %.4g N%s", here, cut ? ";  " : "");
+    if (cut)
+        snprintf(text + used, sizeof text - used, "8⟨fn⟩ and more: %zu", cut);
+    canvas_text_within(cairo, x, y, 232 * u, 14 * u, 0, text);
+}
+
 static void legend_widths(const struct map *map, cairo_t *cairo, double x, double y, double u)
 {
     static const double times[] = {1, 2, 4};
@@ -49,6 +62,7 @@ static void legend_widths(const struct map *map, cairo_t *cairo, double x, doubl
     }
     snprintf(text, sizeof text, "⟨fn⟩ = %.4g N", map_unit_fn(map));
     canvas_text(cairo, x, y + 80 * u, 0, 15 * u, 1, text);
+    legend_notes(map, cairo, x, y + 101 * u, u);
 }
 
 struct key_entry {

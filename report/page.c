@@ -35,39 +35,42 @@ static int draw_into(cairo_t *cairo, const void *map)
     return map_draw(map, cairo);
 }
 
-static int draw_map(const struct packing *packing, const struct forces *forces, const char *title, struct html *html)
+static int draw_map(const struct packing *packing, const struct forces *forces, double mean_fn, const char *title,
+                    struct html *html)
 {
-    struct map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = NAN};
+    struct map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = mean_fn};
     if (map_measure(&map))
         return -1;
     struct picture picture = {title, map.width, map.height, draw_into, &map};
     return picture_put(&picture, CANVAS_PNG, html);
 }
 
-/* One method speaks for a state: the first that converged, else the first. */
-static size_t chosen_method(const struct packing *packing)
+/* The forces by the one method of the series, or by every method. */
+static int draw_forces(const struct series *series, const struct series_row *row, const struct packing *packing,
+                       int every_method, struct html *html)
 {
-    for (size_t f = 0; f < packing->force_count; f++)
-        if (packing->forces[f].converged)
-            return f;
-    return 0;
+    const struct forces *chosen;
+    char title[200];
+    int result = method_choose(packing, row->packing.path, series->method, &chosen);
+    for (size_t f = 0; f < packing->force_count && result == 0; f++) {
+        const struct forces *forces = &packing->forces[f];
+        if (!every_method && forces != chosen)
+            continue;
+        snprintf(title, sizeof title, "%s: forces by %.15s", row->name, forces->method);
+        result = draw_map(packing, forces, methods_mean_fn(&series->methods, series->method), title, html);
+    }
+    return result;
 }
 
-static int draw_state(const struct series_row *row, int every_method, struct html *html)
+static int draw_state(const struct series *series, const struct series_row *row, int every_method, struct html *html)
 {
     struct packing packing;
     char title[200];
-    int result = packing_read(row->packing.path, &packing);
-    for (size_t f = 0; result == 0 && f < packing.force_count; f++) {
-        if (!every_method && f != chosen_method(&packing))
-            continue;
-        snprintf(title, sizeof title, "%s: forces by %.15s", row->name, packing.forces[f].method);
-        result = draw_map(&packing, &packing.forces[f], title, html);
-    }
-    if (result == 0 && packing.force_count == 0) {
-        snprintf(title, sizeof title, "%s: contacts", row->name);
-        result = draw_map(&packing, NULL, title, html);
-    }
+    if (packing_read(row->packing.path, &packing))
+        return -1;
+    snprintf(title, sizeof title, "%s: contacts", row->name);
+    int result = packing.force_count ? draw_forces(series, row, &packing, every_method, html)
+                                     : draw_map(&packing, NULL, NAN, title, html);
     packing_free(&packing);
     return result;
 }
@@ -85,6 +88,20 @@ static int is_chosen(size_t state, size_t states, size_t most)
     return 0;
 }
 
+static void picture_note(const struct series *series, size_t drawn, size_t states, struct html *html)
+{
+    double mean_fn = methods_mean_fn(&series->methods, series->method);
+    fputs("<h2>Force maps</h2>\n<p class=\"small\">", html->stream);
+    html_format(html, "%zu of %zu states", drawn, states);
+    if (series->method)
+        html_format(html, " by %s, the last one by every method", series->method);
+    html_format(html, "; draw others with report map.");
+    if (mean_fn > 0)
+        html_format(html, " Widths comparable between the maps: ⟨fn⟩ = %.4g N, the mean of the states, is the unit.",
+                    mean_fn);
+    fputs("</p>\n", html->stream);
+}
+
 int page_pictures(const struct page *page, const struct series *series, struct html *html)
 {
     size_t states = 0, state = 0, most = page->maps < 0 ? 0 : (size_t)page->maps;
@@ -92,15 +109,12 @@ int page_pictures(const struct page *page, const struct series *series, struct h
         states += series->rows[k].packing.path != NULL;
     if (states == 0 || most == 0)
         return 0;
-    fputs("<h2>Force maps</h2>\n<p class=\"small\">", html->stream);
-    html_format(html, "%zu of %zu states, the last one by every method; draw others with report map.",
-                states < most ? states : most, states);
-    fputs("</p>\n", html->stream);
+    picture_note(series, states < most ? states : most, states, html);
     for (size_t k = 0; k < series->count; k++) {
         if (!series->rows[k].packing.path)
             continue;
         int last = state == states - 1;
-        if (is_chosen(state++, states, most) && draw_state(&series->rows[k], last, html))
+        if (is_chosen(state++, states, most) && draw_state(series, &series->rows[k], last, html))
             return -1;
     }
     return 0;

@@ -27,7 +27,8 @@ void page_inputs(const struct series *series, struct html *html);
 void page_files(const struct page *page, const struct series *series, struct html *html);
 int page_quality(const struct series *series, struct html *html);
 /* Of one state, inside an open block of charts. */
-int page_balance(const struct packing *packing, const struct packing_summary *summary, struct html *html);
+int page_balance(const struct series *series, const struct packing *packing, const struct packing_summary *summary,
+                 struct html *html);
 int page_chart(const struct chart *chart, struct html *html);
 /* A line of a chart: the value below which 0 to 100 % of the trusted rows lie, times `unit`. values NULL: no line. */
 int page_put_quantiles(struct chart *chart, const char *name, const double *values, const uint32_t *flags, size_t rows,

@@ -28,7 +28,7 @@ static int imbalances(const struct forces *forces, double **sizes)
 }
 
 /* Thesis Fig. 4.41: how far the grains are from equilibrium. */
-static int imbalance_chart(const struct packing *packing, struct html *html)
+static int imbalance_chart(const struct series *series, const struct packing *packing, struct html *html)
 {
     struct chart chart = {.title = "Unbalanced force on the grains",
                           .x_label = "grains below (%)",
@@ -45,7 +45,7 @@ static int imbalance_chart(const struct packing *packing, struct html *html)
                      : 0;
         free(sizes);
         if (chart.count > lines)
-            chart.lines[lines].style = f + 1;
+            chart.lines[lines].style = series_style(series, forces->method);
     }
     if (result == 0)
         result = page_chart(&chart, html);
@@ -70,23 +70,41 @@ static int stress_line(struct chart *chart, const char *name, size_t style, cons
     return 0;
 }
 
-static int plane_chart(const struct packing_summary *summary, struct html *html)
+/* Loads on walls say the normal stresses; the shear stress depends on where along the walls they push. */
+static int applied_points(struct chart *chart, const double sigma[2][2], double unit)
+{
+    struct chart_line *line = chart_add(chart, "applied", 2);
+    if (!line)
+        return -1;
+    line->open = line->unjoined = 1;
+    chart_put(line, 0, unit * sigma[0][0]);
+    chart_put(line, 90, unit * sigma[1][1]);
+    return 0;
+}
+
+static int plane_chart(const struct series *series, const struct packing_summary *summary, struct html *html)
 {
     struct chart chart = {.title = "Normal stress by orientation of the plane",
                           .x_label = "angle of the plane's normal (degrees)",
                           .y_label = summary->in_pascal ? "normal stress (kPa)" : "normal stress (N/m)",
-                          .from_zero = 1};
+                          .from_zero = 1,
+                          .x_to = 180,
+                          .x_step = 30};
     double unit = summary->in_pascal ? 1e-3 : 1;
-    int result = stress_line(&chart, "applied", 0, summary->applied, unit);
+    int result = 0;
     for (size_t f = 0; f < summary->force_count && f + 1 < CHART_LINES && result == 0; f++)
-        result = stress_line(&chart, summary->forces[f].method, f + 1, summary->forces[f].weber, unit);
+        result = stress_line(&chart, summary->forces[f].method, series_style(series, summary->forces[f].method),
+                             summary->forces[f].weber, unit);
     if (result == 0)
-        result = page_chart(&chart, html);
+        result = applied_points(&chart, summary->applied, unit) || page_chart(&chart, html) ? -1 : 0;
     chart_free(&chart);
     return result;
 }
 
-int page_balance(const struct packing *packing, const struct packing_summary *summary, struct html *html)
+int page_balance(const struct series *series, const struct packing *packing, const struct packing_summary *summary,
+                 struct html *html)
 {
-    return packing->force_count && (imbalance_chart(packing, html) || plane_chart(summary, html)) ? -1 : 0;
+    if (packing->force_count == 0)
+        return 0;
+    return imbalance_chart(series, packing, html) || plane_chart(series, summary, html) ? -1 : 0;
 }

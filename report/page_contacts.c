@@ -58,13 +58,10 @@ int page_persistence(const struct series *series, struct html *html)
                           .x_label = "photo",
                           .y_label = "r",
                           .whole_x = 1};
-    const struct packing_summary *last = NULL;
     int result = 0;
-    for (size_t k = 0; k < series->count; k++)
-        if (series->rows[k].packing.force_count)
-            last = &series->rows[k].packing;
-    for (size_t f = 0; last && f < last->force_count && f < 4 && result == 0; f++)
-        result = persistence_lines(series, &chart, last->forces[f].method, f + 1);
+    for (size_t m = 0; m < series->methods.count && chart.count + 2 <= CHART_LINES && result == 0; m++)
+        if (series->methods.list[m].states > 1)
+            result = persistence_lines(series, &chart, series->methods.list[m].name, m + 1);
     if (result == 0)
         result = page_chart(&chart, html);
     chart_free(&chart);
@@ -73,7 +70,7 @@ int page_persistence(const struct series *series, struct html *html)
 
 /* ---- the last state ---- */
 
-static int distribution_chart(const struct packing *packing, struct html *html)
+static int distribution_chart(const struct series *series, const struct packing *packing, struct html *html)
 {
     struct chart chart = {
         .title = "Distribution of normal forces", .x_label = "fn / ⟨fn⟩", .y_label = "probability density", .log_y = 1};
@@ -85,7 +82,7 @@ static int distribution_chart(const struct packing *packing, struct html *html)
             result = -1;
             break;
         }
-        line->style = f + 1;
+        line->style = series_style(series, packing->forces[f].method);
         force_distribution(&packing->forces[f], density);
         for (int b = 0; b < DISTRIBUTION_BINS; b++)
             chart_put(line, DISTRIBUTION_STEP * (b + 0.5), density[b]);
@@ -97,9 +94,10 @@ static int distribution_chart(const struct packing *packing, struct html *html)
 }
 
 struct rose {
-    double share[ROSE_BINS], mean_fn[ROSE_BINS];
-    char title[100];
-    int with_forces;
+    const char *title;
+    double share[ROSE_BINS];
+    struct rose_outline outlines[SERIES_METHODS];
+    size_t count;
 };
 
 static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
@@ -107,17 +105,23 @@ static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
 static int draw_rose(cairo_t *cairo, const void *what)
 {
     const struct rose *rose = what;
-    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->with_forces ? rose->mean_fn : NULL);
+    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
     return 0;
 }
 
-static int rose_picture(const struct packing *packing, const struct forces *forces, struct html *html)
+static int rose_picture(const struct series *series, const struct packing *packing, struct html *html)
 {
-    struct rose rose = {.with_forces = forces != NULL};
-    struct picture picture = {rose.title, ROSE_WIDTH, ROSE_HEIGHT, draw_rose, &rose};
-    contact_rose(packing, forces, rose.share, rose.mean_fn);
-    snprintf(rose.title, sizeof rose.title, "Contact directions%s%.15s", forces ? ", forces by " : "",
-             forces ? forces->method : "");
+    const char *title =
+        packing->force_count ? "Contact directions, and mean normal force of each" : "Contact directions";
+    struct rose rose = {.title = title};
+    struct picture picture = {title, ROSE_WIDTH, ROSE_HEIGHT, draw_rose, &rose};
+    contact_rose(packing, NULL, rose.share, NULL);
+    for (size_t f = 0; f < packing->force_count && rose.count < SERIES_METHODS; f++) {
+        struct rose_outline *outline = &rose.outlines[rose.count++];
+        memcpy(outline->name, packing->forces[f].method, NAME_LENGTH);
+        outline->style = series_style(series, outline->name);
+        contact_rose(packing, &packing->forces[f], rose.share, outline->mean_fn);
+    }
     return picture_put(&picture, CANVAS_SVG, html);
 }
 
@@ -135,11 +139,10 @@ int page_last_state(const struct series *series, struct html *html)
     fputs("<h2>Contacts of ", html->stream);
     html_text(html, last->name);
     fputs("</h2>\n<div class=\"charts\">\n", html->stream);
-    int result = distribution_chart(&packing, html) || page_balance(&packing, &last->packing, html) ? -1 : 0;
-    if (packing.force_count == 0 && result == 0)
-        result = rose_picture(&packing, NULL, html);
-    for (size_t f = 0; f < packing.force_count && result == 0; f++)
-        result = rose_picture(&packing, &packing.forces[f], html);
+    int result = distribution_chart(series, &packing, html) || page_balance(series, &packing, &last->packing, html) ||
+                         rose_picture(series, &packing, html)
+                     ? -1
+                     : 0;
     fputs("</div>\n", html->stream);
     packing_free(&packing);
     return result;

@@ -65,6 +65,9 @@ int page_chart(const struct chart *chart, struct html *html)
     return chart_is_empty(chart) ? 0 : picture_put(&picture, CANVAS_SVG, html);
 }
 
+/* Lines of a chart have room for so many methods, twice each, and the applied stress. */
+enum { CURVES_MOST = 5 };
+
 /* One line for yy; for xx the same style, dashed. method: NULL: the applied stress. */
 static int stress_line(const struct series *series, const struct abscissa *abscissa, struct chart *chart,
                        const char *method, size_t style, int axis)
@@ -73,6 +76,7 @@ static int stress_line(const struct series *series, const struct abscissa *absci
     if (!line)
         return -1;
     line->style = style;
+    line->open = !method;
     line->dashed = line->without_key = axis == 0;
     for (size_t k = 0; k < series->count; k++) {
         const struct series_row *row = &series->rows[k];
@@ -94,11 +98,11 @@ static int stress_chart(const struct series *series, const struct abscissa *absc
                           .from_zero = 1,
                           .whole_x = abscissa->kind == ALONG_INDEX};
     int result = 0;
-    for (int axis = 1; axis >= 0 && result == 0; axis--) {
+    for (int axis = 1; axis >= 0 && result == 0; axis--)
+        for (size_t m = 0; m < series->methods.count && m < CURVES_MOST && result == 0; m++)
+            result = stress_line(series, abscissa, &chart, series->methods.list[m].name, m + 1, axis);
+    for (int axis = 1; axis >= 0 && result == 0; axis--) /* last: on top of what may be the same */
         result = stress_line(series, abscissa, &chart, NULL, 0, axis);
-        for (size_t f = 0; f < most->packing.force_count && f < 4 && result == 0; f++)
-            result = stress_line(series, abscissa, &chart, most->packing.forces[f].method, f + 1, axis);
-    }
     if (result == 0)
         result = page_chart(&chart, html);
     chart_free(&chart);
@@ -181,6 +185,7 @@ static int oedometer_lines(const struct series *series, const struct abscissa *a
     if (!voids)
         return -1;
     ratio->style = voids->style = style;
+    ratio->open = voids->open = !method;
     for (size_t k = 0; k < series->count; k++) {
         const struct series_row *row = &series->rows[k];
         const double(*sigma)[2] = stress_of(row, method);
@@ -203,9 +208,11 @@ static int oedometer_charts(const struct series *series, const struct abscissa *
                  curve = {.title = "Oedometric curve",
                           .y_label = "void ratio",
                           .x_label = most->packing.in_pascal ? "log10 of σyy in kPa" : "log10 of σyy in N/m"};
-    int result = oedometer_lines(series, abscissa, NULL, 0, &k0, &curve);
-    for (size_t f = 0; f < most->packing.force_count && f < 4 && result == 0; f++)
-        result = oedometer_lines(series, abscissa, most->packing.forces[f].method, f + 1, &k0, &curve);
+    int result = 0;
+    for (size_t m = 0; m < series->methods.count && m < CURVES_MOST && result == 0; m++)
+        result = oedometer_lines(series, abscissa, series->methods.list[m].name, m + 1, &k0, &curve);
+    if (result == 0)
+        result = oedometer_lines(series, abscissa, NULL, 0, &k0, &curve);
     if (result == 0)
         result = page_chart(&k0, html) || page_chart(&curve, html) ? -1 : 0;
     chart_free(&k0);

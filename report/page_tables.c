@@ -132,6 +132,12 @@ static void stress_row(struct html *html, const struct series_row *row, const st
     fputs("</tr>\n", html->stream);
 }
 
+#define FORCE_HEADS(units)                                                                                             \
+    "<th class=\"left\">state</th><th class=\"left\">method</th><th class=\"left\">start</th>"                         \
+    "<th>applied xx<br>" units "</th><th>Weber xx<br>" units "</th><th>applied yy<br>" units                           \
+    "</th><th>Weber yy<br>" units "</th><th>Weber xy<br>" units                                                        \
+    "</th><th>⟨fn⟩<br>N</th><th>slipping<br>%</th><th>imbalance<br>⟨fn⟩</th><th>iterations</th><th>converged</th>"
+
 void page_stresses(const struct series *series, struct html *html)
 {
     size_t rows = 0;
@@ -142,21 +148,15 @@ void page_stresses(const struct series *series, struct html *html)
     }
     if (rows == 0)
         return;
-    table_begin(
-        html, "Forces", rows,
-        "<th class=\"left\">state</th><th class=\"left\">method</th><th class=\"left\">start</th>"
-        "<th>applied<br>xx</th><th>Weber<br>xx</th><th>applied<br>yy</th><th>Weber<br>yy</th><th>Weber<br>xy</th>"
-        "<th>⟨fn⟩<br>N</th><th>slipping<br>%</th><th>imbalance</th><th>iterations</th><th>converged</th>");
+    table_begin(html, "Forces", rows, pascal ? FORCE_HEADS("kPa") : FORCE_HEADS("N/m"));
     for (size_t k = 0; k < series->count; k++)
         for (size_t f = 0; f < series->rows[k].packing.force_count; f++)
             stress_row(html, &series->rows[k], &series->rows[k].packing.forces[f]);
     table_end(html);
-    fprintf(
-        html->stream,
-        "<p class=\"small\">Stresses in %s, compression positive. Applied: from the loads on walls and grains. Weber: "
-        "from the contact forces. Imbalance: the largest force that a grain does not balance, over the mean normal "
-        "force.</p>\n",
-        pascal ? "kPa" : "N/m");
+    fputs(
+        "<p class=\"small\">Compression positive. Applied: from the loads on walls and grains. Weber: from the contact "
+        "forces. Imbalance: the largest force that a grain does not balance, over the mean normal force.</p>\n",
+        html->stream);
 }
 
 void page_inputs(const struct series *series, struct html *html)

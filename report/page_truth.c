@@ -147,7 +147,7 @@ static int force_table(const struct page *page, const struct series *series, str
 }
 
 /* Errors of fn of the last state: the value below which so many contacts lie. */
-static int error_chart(const struct packing *a, const struct packing *b, struct html *html)
+static int error_chart(const struct series *series, const struct packing *a, const struct packing *b, struct html *html)
 {
     struct chart chart = {.title = "Last state: error of the normal forces",
                           .x_label = "contacts below (%)",
@@ -156,15 +156,15 @@ static int error_chart(const struct packing *a, const struct packing *b, struct 
     int result = 0;
     for (size_t f = 0; f < a->force_count && f < CHART_LINES && result == 0; f++) {
         double *errors;
-        size_t count;
+        size_t count, lines = chart.count;
         result =
             compare_force_errors(a, b, a->forces[f].method, packing_forces(b, "dem") ? "dem" : NULL, &errors, &count) ||
                     page_put_quantiles(&chart, a->forces[f].method, errors, NULL, count, 1)
                 ? -1
                 : 0;
         free(errors);
-        if (chart.count)
-            chart.lines[chart.count - 1].style = f + 1; /* as in the other charts */
+        if (chart.count > lines)
+            chart.lines[lines].style = series_style(series, a->forces[f].method);
     }
     if (result == 0)
         result = page_chart(&chart, html);
@@ -185,7 +185,7 @@ static int last_errors(const struct page *page, const struct series *series, str
     int result = !truth || packing_read(last->packing.path, &a) || packing_read(truth, &b) ? -1 : 0;
     if (result == 0) {
         fputs("<div class=\"charts\">\n", html->stream);
-        result = error_chart(&a, &b, html);
+        result = error_chart(series, &a, &b, html);
         fputs("</div>\n", html->stream);
     }
     free(truth);

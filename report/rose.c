@@ -1,8 +1,10 @@
 #include "report/rose.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "report/canvas.h"
+#include "report/chart.h"
 
 static const double STEP = 2 * M_PI / ROSE_BINS;
 
@@ -25,32 +27,43 @@ static void outline(cairo_t *cairo, double x, double y, double unit, const doubl
     cairo_stroke(cairo);
 }
 
-static void key(cairo_t *cairo, double left, const double mean_fn[ROSE_BINS])
+static void set_colour(cairo_t *cairo, const struct rose_outline *outline)
+{
+    const double *colour = chart_colour(outline->style);
+    cairo_set_source_rgb(cairo, colour[0], colour[1], colour[2]);
+}
+
+static void key(cairo_t *cairo, double left, const struct rose_outline *outlines, size_t count)
 {
     cairo_set_source_rgba(cairo, COLOUR_BLUE, 0.45);
     cairo_rectangle(cairo, left, 26, 16, 10);
     cairo_fill(cairo);
     cairo_set_source_rgb(cairo, COLOUR_INK);
     canvas_text(cairo, left + 21, 35, 0, 12, 0, "contacts");
-    if (!mean_fn)
-        return;
-    cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
-    cairo_rectangle(cairo, left + 100, 26, 16, 10);
-    cairo_stroke(cairo);
-    cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text(cairo, left + 121, 35, 0, 12, 0, "mean fn");
+    left += 95;
+    for (size_t k = 0; k < count; k++, left += 90) {
+        char text[32];
+        set_colour(cairo, &outlines[k]);
+        cairo_set_line_width(cairo, 1.8);
+        cairo_move_to(cairo, left, 31);
+        cairo_line_to(cairo, left + 16, 31);
+        cairo_stroke(cairo);
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+        snprintf(text, sizeof text, "fn by %s", outlines[k].name);
+        canvas_text(cairo, left + 21, 35, 0, 12, 0, text);
+    }
 }
 
-void rose_draw(cairo_t *cairo, double width, double height, const char *title, const double share[ROSE_BINS],
-               const double mean_fn[ROSE_BINS])
+static double largest(const double values[ROSE_BINS])
 {
-    double most = 1.5, x = 0.5 * width, y = 45 + 0.5 * (height - 55);
+    double most = 0;
     for (int b = 0; b < ROSE_BINS; b++)
-        most = fmax(most, fmax(isnan(share[b]) ? 0 : share[b], mean_fn && !isnan(mean_fn[b]) ? mean_fn[b] : 0));
-    double unit = 0.48 * fmin(width, height - 60) / most;
-    cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text(cairo, 20, 18, 0, 14, 1, title);
-    key(cairo, 20, mean_fn);
+        most = fmax(most, isnan(values[b]) ? 0 : values[b]);
+    return most;
+}
+
+static void draw_wedges(cairo_t *cairo, double x, double y, double unit, const double share[ROSE_BINS])
+{
     for (int b = 0; b < ROSE_BINS; b++) {
         wedge(cairo, x, y, unit * (isnan(share[b]) ? 0 : share[b]), b);
         cairo_set_source_rgba(cairo, COLOUR_BLUE, 0.45);
@@ -59,15 +72,28 @@ void rose_draw(cairo_t *cairo, double width, double height, const char *title, c
         cairo_set_line_width(cairo, 0.7);
         cairo_stroke(cairo);
     }
-    if (mean_fn) {
-        cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
+}
+
+void rose_draw(cairo_t *cairo, double width, double height, const char *title, const double share[ROSE_BINS],
+               const struct rose_outline *outlines, size_t count)
+{
+    double most = fmax(1.5, largest(share)), x = 0.5 * width, y = 45 + 0.5 * (height - 55);
+    for (size_t k = 0; k < count; k++)
+        most = fmax(most, largest(outlines[k].mean_fn));
+    double unit = 0.48 * fmin(width, height - 60) / most;
+    cairo_set_source_rgb(cairo, COLOUR_INK);
+    canvas_text(cairo, 20, 18, 0, 14, 1, title);
+    key(cairo, 20, outlines, count);
+    draw_wedges(cairo, x, y, unit, share);
+    for (size_t k = 0; k < count; k++) {
+        set_colour(cairo, &outlines[k]);
         cairo_set_line_width(cairo, 1.8);
-        outline(cairo, x, y, unit, mean_fn);
+        outline(cairo, x, y, unit, outlines[k].mean_fn);
     }
-    cairo_set_source_rgb(cairo, COLOUR_GREY);
+    cairo_set_source_rgb(cairo, COLOUR_INK);
     cairo_set_line_width(cairo, 1);
     cairo_new_path(cairo);
     cairo_arc(cairo, x, y, unit, 0, 2 * M_PI);
     cairo_stroke(cairo);
-    canvas_text(cairo, x + unit + 4, y - 4, 0, 11, 0, "1");
+    canvas_text(cairo, 20, height - 12, 0, 12, 0, "circle: the mean of all directions");
 }

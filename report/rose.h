@@ -6,8 +6,14 @@
 
 #include "report/distribution.h"
 
-/* Wedges: share of contacts; outline: mean fn (NULL: none). The circle is 1, as without any preferred direction. */
+struct rose_outline {
+    char name[17];             /* of the method */
+    size_t style;              /* chart_colour() */
+    double mean_fn[ROSE_BINS]; /* over that of all contacts */
+};
+
+/* Wedges: share of contacts; outlines: mean fn by each method. The circle is 1, the mean of all directions. */
 void rose_draw(cairo_t *cairo, double width, double height, const char *title, const double share[ROSE_BINS],
-               const double mean_fn[ROSE_BINS]);
+               const struct rose_outline *outlines, size_t count);
 
 #endif

@@ -98,7 +98,7 @@ static int summarise_packing(const struct loaded *loaded, struct packing_summary
     for (size_t c = 0; c < packing->contacts.count; c++)
         summary->candidates += (packing->contacts.flags[c] & CONTACT_CANDIDATE) != 0;
     packing_fabric(packing, &summary->fabric);
-    summary->h = indeterminacy(packing, packing->force_count ? &packing->forces[0] : NULL);
+    summary->h = indeterminacy(packing, method_default(packing));
     stress_applied(packing, area, summary->applied);
     memcpy(summary->strain, packing->info.strain, sizeof summary->strain);
     summary->in_pascal = !isnan(packing->length_m);
@@ -211,6 +211,23 @@ static int by_index(const void *left, const void *right)
     return strcmp(a->name, b->name);
 }
 
+static void gather_methods(struct series *series)
+{
+    for (size_t k = 0; k < series->count; k++) {
+        const struct packing_summary *packing = &series->rows[k].packing;
+        series->methods.states += packing->force_count > 0;
+        for (size_t f = 0; f < packing->force_count; f++)
+            methods_add(&series->methods, packing->forces[f].method, packing->forces[f].converged,
+                        packing->forces[f].mean_fn);
+    }
+    series->method = methods_common(&series->methods);
+}
+
+size_t series_style(const struct series *series, const char *method)
+{
+    return methods_find(&series->methods, method) + 1;
+}
+
 int series_read(char *const paths[], size_t count, struct series *series)
 {
     memset(series, 0, sizeof *series);
@@ -220,5 +237,6 @@ int series_read(char *const paths[], size_t count, struct series *series)
             return -1;
         }
     qsort(series->rows, series->count, sizeof *series->rows, by_index);
+    gather_methods(series);
     return 0;
 }

@@ -4,6 +4,7 @@
 
 #include "pipeline/stress.h"
 #include "report/loaded.h"
+#include "report/method.h"
 #include "report/quantiles.h"
 
 enum { SERIES_METHODS = 8 };
@@ -28,7 +29,7 @@ struct packing_summary {
     char *path;
     size_t grains, distrusted, flags[32], candidates, floating;
     struct fabric fabric;
-    double h; /* degree of indeterminacy, with the friction of the first method */
+    double h; /* degree of indeterminacy, with the friction of the default method */
     double applied[2][2], strain[3];
     int in_pascal;
     struct force_summary forces[SERIES_METHODS];
@@ -52,6 +53,8 @@ struct series_input {
 struct series {
     struct series_row *rows; /* by index, then name */
     size_t count;
+    struct methods methods; /* of all rows */
+    const char *method;     /* the one that speaks for all states; NULL: each state's default one */
     struct series_input *inputs;
     size_t input_count;
     char versions[200]; /* of the programs that wrote the files, comma-separated */
@@ -59,5 +62,7 @@ struct series {
 
 int series_read(char *const paths[], size_t count, struct series *series);
 void series_free(struct series *series); /* accepts a zeroed struct */
+/* The style of a method in every chart of the series, 1 and up; 0 is left for what is applied. */
+size_t series_style(const struct series *series, const char *method);
 
 #endif

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "report/figures.h"
 #include "report/histogram.h"
 #include "report/indeterminacy.h"
 #include "report/page.h"
@@ -207,11 +208,52 @@ static void test_pictures(void **unused)
     canvas_forget_fonts();
 }
 
+/* For people three digits and units that can be read; counts stay whole, and near one four decimals. */
+static void test_figures(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double value;
+        const char *units, *shown;
+    } cases[] = {{0.00779214, "1", "0.00779"},
+                 {5.46748e-06, "m", "5.47 um"},
+                 {-5.4e-8, "m", "-0.0540 um"},
+                 {4.64354e-05, "m/px", "46.4 um/px"},
+                 {0.0125, "m", "12.5 mm"},
+                 {726667, "Pa", "727 kPa"},
+                 {-73712.3, "Pa", "-73.7 kPa"},
+                 {2.7e6, "Pa", "2.70 MPa"},
+                 {12.3, "Pa", "12.3 Pa"},
+                 {1850, "1", "1850"},
+                 {123456, "1", "123456"},
+                 {0, "1", "0"},
+                 {-0.0, "m", "0 um"},
+                 {0.99953, "1", "0.9995"},
+                 {2.5913e-16, "1", "2.59e-16"},
+                 {602.6543, "N", "603 N"},
+                 {0.0284123, "px", "0.0284 px"},
+                 {NAN, "px", "-"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        struct figures figures = {.count = 0};
+        char *text = NULL, expected[128];
+        size_t length;
+        FILE *stream = open_memstream(&text, &length);
+        figures_add(&figures, "name", cases[k].value, cases[k].units, "what");
+        figures_print(&figures, stream);
+        fclose(stream);
+        const char *space = strchr(cases[k].shown, ' ');
+        int digits = space ? (int)(space - cases[k].shown) : (int)strlen(cases[k].shown);
+        snprintf(expected, sizeof expected, "%-62s %12.*s%s\n", "what", digits, cases[k].shown, space ? space : "");
+        assert_string_equal(text, expected);
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantiles), cmocka_unit_test(test_indeterminacy),
                                        cmocka_unit_test(test_oedometer), cmocka_unit_test(test_histogram),
-                                       cmocka_unit_test(test_pictures)};
+                                       cmocka_unit_test(test_pictures),  cmocka_unit_test(test_figures)};
     if (!mkdtemp(folder))
         return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
