@@ -87,9 +87,10 @@ static void warn_method(struct warnings *warnings, const struct series *series, 
             const struct force_summary *forces = &packing->forces[f];
             if (strncmp(forces->method, method, NAME_LENGTH))
                 continue;
-            if (forces->iterations > 0) /* else a method without iterations */
+            if (forces->iterations > 0) { /* else a method that seeks no equilibrium */
                 tally_add(&open, forces->converged ? 0 : forces->iterations, 0, series->rows[k].name);
-            tally_add(&imbalance, forces->imbalance, IMBALANCE, series->rows[k].name);
+                tally_add(&imbalance, forces->imbalance, IMBALANCE, series->rows[k].name);
+            }
             tally_add(&impossible, forces->infeasible ? forces->imbalance : 0, 0, series->rows[k].name);
             tally_add(&data, forces->data_misfit, DATA_MISFIT, series->rows[k].name);
             for (int axis = 0; axis < 2; axis++)
