@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 static const double degree = 0.017453292519943295;
 
@@ -52,12 +53,6 @@ int friction_estimate(const struct friction_test *tests, size_t count, struct fr
 
 /* ---- mobilised friction ---- */
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Sorted |ft| / fn of the contacts that carry. */
 static size_t ratios(const double *fn, const double *ft, size_t count, double *ratio)
 {
@@ -72,7 +67,7 @@ static size_t ratios(const double *fn, const double *ft, size_t count, double *r
     for (size_t k = 0; k < count; k++)
         if (isfinite(fn[k]) && isfinite(ft[k]) && fn[k] > 0 && fn[k] >= MOBILISED_LEAST_FORCE * mean)
             ratio[n++] = fabs(ft[k]) / fn[k];
-    qsort(ratio, n, sizeof *ratio, by_value);
+    sort_values(ratio, n);
     return n;
 }
 

@@ -6,6 +6,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/grains.h"
+#include "pipeline/median.h"
 #include "pipeline/state.h"
 
 void settle_series_free(struct settle_series *series)
@@ -167,12 +168,6 @@ static double hold_out(const struct settle_series *series, const struct settle_w
     return sqrt(difference / whole);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static int bound(const struct settle_wanted *wanted, struct settle_estimate *estimate)
 {
     size_t n = 0;
@@ -184,7 +179,7 @@ static int bound(const struct settle_wanted *wanted, struct settle_estimate *est
             status = chernoff_cycles(trend->low, trend->high, wanted->error, wanted->p, &cycles[n++]);
         }
     if (!status && n) {
-        qsort(cycles, n, sizeof *cycles, by_value);
+        sort_values(cycles, n);
         estimate->chernoff[0] = cycles[n / 2];
         estimate->chernoff[1] = cycles[n - 1];
     }

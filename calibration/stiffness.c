@@ -6,6 +6,7 @@
 
 #include "calibration/fit.h"
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 const char *const PRESS_KINDS[] = {"loading", "unloading", "reloading"};
 
@@ -84,12 +85,6 @@ static double search(double (*f)(double, void *), void *user, double low, double
     return fit_golden(f, user, fmax(low, best - step), fmin(high, best + step), 1e-9 * (high - low));
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Factor on the standard errors: 1 where the points are as good as they say. */
 static double excess(const struct branch *branch, double chi2, int unknowns)
 {
@@ -120,7 +115,7 @@ static void fit_bilinear(struct branch *branch, struct press_fit *fit)
     enum { MARGIN = 2 }; /* points that must lie beyond the break on either side */
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST], *sorted = branch->rows;
     memcpy(sorted, branch->force, branch->count * sizeof *sorted);
-    qsort(sorted, branch->count, sizeof *sorted, by_value);
+    sort_values(sorted, branch->count);
     double low = sorted[MARGIN], high = sorted[branch->count - 1 - MARGIN];
     if (branch->count < 2 * MARGIN + 3 || !(high > low))
         return;

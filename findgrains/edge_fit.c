@@ -1,7 +1,7 @@
 #include "findgrains/edge_fit.h"
 
 #include "findgrains/edge_profile.h"
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * least squares over the grains that touch it. */
 #include "findgrains/find_frame.h"
 
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>

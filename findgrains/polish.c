@@ -1,6 +1,6 @@
 #include "findgrains/polish.h"
 
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "findgrains/sample.h"
 
 #include <math.h>

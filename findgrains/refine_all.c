@@ -1,6 +1,6 @@
 #include "findgrains/refine_all.h"
 
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>

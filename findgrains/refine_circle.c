@@ -3,7 +3,7 @@
  * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
 #include "findgrains/refine_circle.h"
 
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>

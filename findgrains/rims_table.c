@@ -1,7 +1,7 @@
 #include "findgrains/rims_table.h"
 
 #include "findgrains/measure.h"
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 #include "pipeline/error.h"
 
 #include <math.h>

@@ -5,12 +5,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/grains.h"
-
-static int by_value(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
+#include "pipeline/median.h"
 
 double *sorted_values(const double *column, const uint32_t *flags, size_t rows, size_t *count)
 {
@@ -23,7 +18,7 @@ double *sorted_values(const double *column, const uint32_t *flags, size_t rows, 
     for (size_t k = 0; k < rows && column; k++)
         if (isfinite(column[k]) && !(flags && flags[k] & GRAIN_DISTRUST))
             values[(*count)++] = column[k];
-    qsort(values, *count, sizeof *values, by_value);
+    sort_values(values, *count);
     return values;
 }
 

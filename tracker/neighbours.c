@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 /* Targets sorted into square cells. */
 struct cells {
@@ -110,18 +111,6 @@ long *neighbours_find(const struct target *targets, size_t count)
     return nearest;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
-}
-
 int neighbours_motion(const long *nearest, const struct outcome *outcomes, struct motion *motion)
 {
     double u[NEIGHBOURS], v[NEIGHBOURS], angle[NEIGHBOURS];
@@ -135,6 +124,7 @@ int neighbours_motion(const long *nearest, const struct outcome *outcomes, struc
         angle[count++] = outcome->fit.motion.angle;
     }
     if (count)
-        *motion = (struct motion){median(u, count), median(v, count), median(angle, count)};
+        *motion =
+            (struct motion){median_of(u, (size_t)count), median_of(v, (size_t)count), median_of(angle, (size_t)count)};
     return count;
 }

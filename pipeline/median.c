@@ -1,7 +1,8 @@
 /* Hoare's selection (CACM 4 (1961) 321) with the median of three as pivot. No value is NaN. */
-#include "findgrains/median.h"
+#include "pipeline/median.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static void swap(double *a, double *b)
 {
@@ -57,4 +58,15 @@ double median_of(double *values, size_t count)
     for (size_t k = 1; k < count / 2; k++)
         lower = values[k] > lower ? values[k] : lower;
     return 0.5 * (lower + upper);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void sort_values(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, by_value);
 }
