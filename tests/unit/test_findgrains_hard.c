@@ -281,8 +281,8 @@ static void corrections_and_known_grains(void **state)
     struct find_options options = FIND_OPTIONS_DEFAULT;
     options.radius_min_px = 0.95 * hard.low;
     options.radius_max_px = 1.05 * hard.high;
-    struct correction items[2] = {{discs[3].x + 5, discs[3].y - 4, 0},
-                                  {discs[3].x + 0.8, discs[3].y, discs[3].radius + 0.7}};
+    struct correction items[2] = {{.x = discs[3].x + 5, .y = discs[3].y - 4},
+                                  {.x = discs[3].x + 0.8, .y = discs[3].y, .radius = discs[3].radius + 0.7}};
     struct corrections corrections = {items, 1, 2};
     options.corrections = &corrections;
     check_done(find_grains(&photo, &options, &fewer, NULL));
@@ -298,7 +298,7 @@ static void corrections_and_known_grains(void **state)
             check_near(all.radius_px[k], discs[3].radius, 0.15);
         }
     assert_int_equal(by_hand, 1);
-    struct correction nowhere = {1, 1, 0};
+    struct correction nowhere = {.x = 1, .y = 1};
     corrections = (struct corrections){&nowhere, 1, 1};
     assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
