@@ -25,9 +25,9 @@ struct arguments {
 static const struct argp_option option_table[] = {
     {"picture", 'p', "P.png", 0,
      "Also draw the circles over the photo, flagged ones dashed in vermillion, with row numbers where there is room. "
-     "Small photos are magnified up to 4 times, large ones shrunk to 1/2, 1/3 ...: the caption says how much, ticks "
+     "Small photos are magnified up to 4 times, large ones shrunk to 1/2, 1/3 ...: the caption says how much. Ticks "
      "are "
-     "in px of the photo. Read places and radii (--add, --remove) by them",
+     "in px of the photo: read places and radii (--add, --remove) by them",
      0},
     {"refine", 'r', "N.tracks.hdf", 0,
      "Do not search: measure the grains of this file again, on a later photo; row k stays grain k. Radii of many "
