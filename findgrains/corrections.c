@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define BY_HAND_SPREAD 0.05 /* of the radius: how well a person clicks */
+#define MOST_OUTSIDE 0.5    /* of the radius: how far the centre of a cut grain may lie outside the photo */
 
 static int add(struct corrections *corrections, struct correction item)
 {
@@ -57,7 +58,7 @@ static int read_list(const char *path, int columns, const char *format, struct c
         if (count != columns || (columns == 3 && !(values[2] > 0)))
             status = error_input("%s:%d: not \"%s\" in px: correct the line", path, number, format);
         else
-            status = add(corrections, (struct correction){values[0], values[1], values[2]});
+            status = add(corrections, (struct correction){values[0], values[1], values[2], path, number});
     }
     if (!status && ferror(file) && errno == EISDIR)
         status = error_input("%s: is a folder: give a file with one grain per line", path);
@@ -84,6 +85,19 @@ void corrections_free(struct corrections *corrections)
     *corrections = (struct corrections){0};
 }
 
+int corrections_check(const struct corrections *corrections, int width, int height)
+{
+    for (size_t k = 0; corrections && k < corrections->count; k++) {
+        const struct correction *item = &corrections->items[k];
+        double out_x = fmax(-0.5 - item->x, item->x - (width - 0.5));
+        double out_y = fmax(-0.5 - item->y, item->y - (height - 0.5));
+        if (item->radius > 0 && fmax(out_x, out_y) > MOST_OUTSIDE * item->radius)
+            return error_input("%s:%d: (%g, %g) is outside the photo of %d x %d px: give px of the photo",
+                               item->path ? item->path : "correction", item->line, item->x, item->y, width, height);
+    }
+    return 0;
+}
+
 static int take_away(const struct correction *item, struct candidates *found)
 {
     size_t kept = 0;
@@ -93,7 +107,8 @@ static int take_away(const struct correction *item, struct candidates *found)
             found->items[kept++] = found->items[k];
     }
     if (kept == found->count)
-        return error_input("no grain was found at (%g, %g): correct the list of grains to remove", item->x, item->y);
+        return error_input("no grain was found at (%g, %g): correct the list of grains to remove (px of the photo)",
+                           item->x, item->y);
     found->count = kept;
     return 0;
 }

@@ -8,7 +8,9 @@
 #include "findgrains/rim.h"
 
 struct correction {
-    double x, y, radius; /* radius 0: remove */
+    double x, y, radius; /* px of the photo; radius 0: remove */
+    const char *path;    /* of the list, borrowed; NULL: not from a list */
+    int line;
 };
 
 struct corrections {
@@ -16,11 +18,14 @@ struct corrections {
     size_t count, room;
 };
 
-/* Append a list to `corrections`; errors name file and line. */
+/* Append a list to `corrections`, which borrows the path; errors name file and line. */
 int corrections_read_added(const char *path, struct corrections *corrections);
 int corrections_read_removed(const char *path, struct corrections *corrections);
 void corrections_free(struct corrections *corrections); /* accepts a zeroed struct */
 
+/* An error, with file and line, for the first added grain whose centre lies outside a photo of width x height px by
+ * more than half its radius (cut grains may have it a little outside). NULL: none. */
+int corrections_check(const struct corrections *corrections, int width, int height);
 /* Take away the candidates that hold a removed point (an error when none does), add the added ones. NULL: nothing. */
 int corrections_apply(const struct corrections *corrections, struct candidates *found);
 

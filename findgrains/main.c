@@ -23,15 +23,20 @@ struct arguments {
 };
 
 static const struct argp_option option_table[] = {
-    {"picture", 'p', "P.png", 0, "Also draw the circles over the photo (flagged ones in red)", 0},
+    {"picture", 'p', "P.png", 0,
+     "Also draw the circles over the photo, flagged ones dashed in vermillion, with row numbers where there is room. "
+     "Small photos are magnified up to 4 times, large ones shrunk to 1/2, 1/3 ...: the caption says how much. Ticks "
+     "are "
+     "in px of the photo: read places and radii (--add, --remove) by them",
+     0},
     {"refine", 'r', "N.tracks.hdf", 0,
      "Do not search: measure the grains of this file again, on a later photo; row k stays grain k. Radii of many "
      "photos "
      "can be averaged (contacts --radii)",
      0},
     {"add", 'a', "LIST.txt", 0,
-     "Grains that were missed, one \"x y radius\" (px) per line; they are measured like others", 0},
-    {"remove", 'd', "LIST.txt", 0, "False circles, one \"x y\" (px, anywhere inside) per line", 0},
+     "Grains that were missed, one \"x y radius\" (px of the photo) per line; they are measured like others", 0},
+    {"remove", 'd', "LIST.txt", 0, "False circles, one \"x y\" (px of the photo, anywhere inside) per line", 0},
     {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -124,6 +129,7 @@ static int work(const struct arguments *arguments, const struct scene *scene, st
     struct find_notes notes;
     const struct photo_request request = scene_photo_request(scene);
     if (settings_read(scene, options) || photo_read(arguments->photo, &request, photo) ||
+        corrections_check(options->corrections, photo->width, photo->height) ||
         find(arguments, photo, options, grains, &notes) ||
         (arguments->picture && overlay_write(arguments->picture, photo, grains, &notes)) ||
         write_file(arguments, scene, options, grains, &notes))
@@ -141,7 +147,9 @@ static int run(const struct arguments *arguments)
     struct photo_grains grains = {0};
     struct corrections corrections = {0};
     struct find_options options = {.corrections = &corrections};
-    int status = scene_read(arguments->cli.scene, &scene);
+    int status = overlay_check_path(arguments->picture);
+    if (!status)
+        status = scene_read(arguments->cli.scene, &scene);
     if (!status && arguments->added)
         status = corrections_read_added(arguments->added, &corrections);
     if (!status && arguments->removed)
@@ -161,5 +169,7 @@ int main(int argc, char **argv)
     static const struct argp parser = {option_table, parse, "PHOTO.tif", doc, children, NULL, NULL};
     struct arguments arguments = {.cli = CLI_DEFAULT};
     cli_parse(&parser, argc, argv, &arguments);
-    return cli_finish(&arguments.cli, run(&arguments));
+    int status = cli_finish(&arguments.cli, run(&arguments));
+    overlay_forget_fonts();
+    return status;
 }

@@ -29,28 +29,16 @@ template <typename Work> static int guarded(const char *what, Work work)
     }
 }
 
-static void resample(const cv::Mat &from, int out_width, int out_height, float *out)
-{
-    cv::Mat to(out_height, out_width, CV_32F, out), resized;
-    bool shrinks = out_width <= from.cols;
-    cv::resize(from, resized, to.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
-    resized.convertTo(to, CV_32F);
-}
-
 int shim_resample(const uint16_t *pixels, int stride, int x0, int y0, int width, int height, int out_width,
                   int out_height, float *out)
 {
     return guarded("resampling the photo", [&] {
         const uint16_t *first = pixels + (size_t)y0 * (size_t)stride + x0;
         const cv::Mat from(height, width, CV_16U, const_cast<uint16_t *>(first), (size_t)stride * sizeof *pixels);
-        resample(from, out_width, out_height, out);
-    });
-}
-
-int shim_resample_float(const float *pixels, int width, int height, int out_width, int out_height, float *out)
-{
-    return guarded("resampling the photo", [&] {
-        resample(cv::Mat(height, width, CV_32F, const_cast<float *>(pixels)), out_width, out_height, out);
+        cv::Mat to(out_height, out_width, CV_32F, out), resized;
+        bool shrinks = out_width <= width;
+        cv::resize(from, resized, to.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+        resized.convertTo(to, CV_32F);
     });
 }
 
@@ -69,13 +57,5 @@ int shim_sum3(float *pixels, int width, int height)
     return guarded("summing votes", [&] {
         cv::Mat image(height, width, CV_32F, pixels);
         cv::boxFilter(image, image, CV_32F, cv::Size(3, 3), cv::Point(-1, -1), false, cv::BORDER_CONSTANT);
-    });
-}
-
-int shim_blur(float *pixels, int width, int height, double sigma)
-{
-    return guarded("blurring the photo", [&] {
-        cv::Mat image(height, width, CV_32F, pixels);
-        cv::GaussianBlur(image, image, cv::Size(0, 0), sigma, sigma, cv::BORDER_REPLICATE);
     });
 }

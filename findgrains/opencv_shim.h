@@ -12,14 +12,10 @@ extern "C" {
  * out_width x out_height floats: pixel areas when it shrinks, cubic when it grows. */
 int shim_resample(const uint16_t *pixels, int stride, int x0, int y0, int width, int height, int out_width,
                   int out_height, float *out);
-/* The same for floats without a gap between the rows. */
-int shim_resample_float(const float *pixels, int width, int height, int out_width, int out_height, float *out);
 /* Scharr derivatives, in grey levels per pixel. */
 int shim_gradient(const float *pixels, int width, int height, float *gx, float *gy);
 /* In-place sum over 3 x 3 pixels, zero outside. */
 int shim_sum3(float *pixels, int width, int height);
-/* In-place Gaussian blur, border pixels repeated. */
-int shim_blur(float *pixels, int width, int height, double sigma);
 
 #ifdef __cplusplus
 }

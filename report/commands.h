@@ -10,5 +10,6 @@ int command_film(int argc, char **argv);
 int command_budget(int argc, char **argv);
 int command_histogram(int argc, char **argv);
 int command_verify(int argc, char **argv);
+int command_found(int argc, char **argv);
 
 #endif

@@ -17,6 +17,7 @@ static const struct command {
     {"film", "report film", command_film, "the force maps of a series as frames in one view"},
     {"budget", "report budget", command_budget, "the error of forces to expect, before going to the lab"},
     {"histogram", "report histogram", command_histogram, "the grey levels of a photo"},
+    {"found", "report found", command_found, "frame and radii that findgrains found, as a piece of a scene"},
     {"verify", "report verify", command_verify, "are state files whole, and still made of what lies on the disk?"},
 };
 

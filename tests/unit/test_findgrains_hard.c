@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { ROOM = 120, WIDTH = 430, HEIGHT = 380 };
 
@@ -281,8 +282,8 @@ static void corrections_and_known_grains(void **state)
     struct find_options options = FIND_OPTIONS_DEFAULT;
     options.radius_min_px = 0.95 * hard.low;
     options.radius_max_px = 1.05 * hard.high;
-    struct correction items[2] = {{discs[3].x + 5, discs[3].y - 4, 0},
-                                  {discs[3].x + 0.8, discs[3].y, discs[3].radius + 0.7}};
+    struct correction items[2] = {{.x = discs[3].x + 5, .y = discs[3].y - 4},
+                                  {.x = discs[3].x + 0.8, .y = discs[3].y, .radius = discs[3].radius + 0.7}};
     struct corrections corrections = {items, 1, 2};
     options.corrections = &corrections;
     check_done(find_grains(&photo, &options, &fewer, NULL));
@@ -298,7 +299,7 @@ static void corrections_and_known_grains(void **state)
             check_near(all.radius_px[k], discs[3].radius, 0.15);
         }
     assert_int_equal(by_hand, 1);
-    struct correction nowhere = {1, 1, 0};
+    struct correction nowhere = {.x = 1, .y = 1};
     corrections = (struct corrections){&nowhere, 1, 1};
     assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
@@ -331,6 +332,36 @@ static void corrections_and_known_grains(void **state)
     photo_free(&later);
 }
 
+/* Lists of a person who read other pixels than the photo's. A cut grain may have its centre a little outside. */
+static void grains_outside_are_refused(void **state)
+{
+    static const char *const wrong[] = {"4000 4000", "-30 20", "20 -30", "895 20", "20 760"};
+    static const char *const right[] = {"-0.5 -0.5", "849.5 713.5", "-15 20", "20 730"};
+    char path[] = "/tmp/test_findgrains_hard.XXXXXX", line[160];
+    (void)state;
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    for (size_t k = 0; k < 9; k++) {
+        struct corrections corrections = {0};
+        const char *place = k < 5 ? wrong[k] : right[k - 5];
+        int length = snprintf(line, sizeof line, "# x y radius\n%s 40\n", place);
+        assert_int_equal(ftruncate(file, 0), 0);
+        assert_int_equal(pwrite(file, line, (size_t)length, 0), length);
+        check_done(corrections_read_added(path, &corrections));
+        assert_int_equal(corrections_check(&corrections, 850, 714), k < 5 ? -1 : 0);
+        if (k == 0) {
+            snprintf(line, sizeof line, "%s:2: (4000, 4000) is outside the photo of 850 x 714 px: give px of the photo",
+                     path);
+            assert_string_equal(error_message(), line);
+            assert_int_equal(error_status(), EXIT_INPUT);
+        }
+        corrections_free(&corrections);
+    }
+    check_done(corrections_check(NULL, 850, 714));
+    close(file);
+    remove(path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -347,6 +378,7 @@ int main(void)
         cmocka_unit_test(long_arc),
         cmocka_unit_test(bevel_is_a_constant_bias),
         cmocka_unit_test(corrections_and_known_grains),
+        cmocka_unit_test(grains_outside_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
