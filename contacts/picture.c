@@ -71,6 +71,8 @@ static void words(FILE *stream, const struct contact_summary *summary)
         LEFT, summary->histogram.width_px);
     if (summary->undecided)
         fprintf(stream, "<text x=\"%d\" y=\"42\">radii as given: %s</text>\n", LEFT, summary->undecided);
+    else if (summary->doubt)
+        fprintf(stream, "<text x=\"%d\" y=\"42\">doubtful: %s</text>\n", LEFT, summary->doubt);
     else if (summary->s_radius_scale > 0)
         fprintf(stream, "<text x=\"%d\" y=\"42\">radii times %.6f &#177; %.6f, found here</text>\n", LEFT,
                 summary->radius_scale, summary->s_radius_scale);
