@@ -16,16 +16,15 @@ enum { LEAST_PAIRS = 60, TRIALS = 11, ZOOMS = 7, HALVINGS = 5 };
 
 #define HIDDEN 0.5        /* a zero known no better than to this share of the mean overlap tells nothing, */
 #define MODEL_ERROR 0.035 /* of the mean overlap, and */
-#define BLUR_ERROR                                                                                                     \
-    0.15                 /* of the smaller of it and the standard error: what the law of the overlaps leaves open, and \
-                          */
-#define GAPS_ERROR 0.05  /* of the standard error: what the law of the gaps leaves open; all from simulations */
-#define BLURRED 1.2      /* nor do overlaps whose errors are larger than their mean by this factor */
-#define DULL 0.33        /* errors larger than this share of the mean overlap may pass for overlaps */
-#define WIDER 0.33       /* odds that errors are 1.4 times those stated, before the photo is asked */
-#define UNSURE 0.19      /* variance of this choice at least: the laws' shape tells as much of it as the errors */
-#define LOADED_ERROR 0.2 /* relative error of the mean overlap from the loads: stiffness, lost grains, walls, */
-#define UNLIKE 2.0       /* and the factor between the photo's and the loads' that is no longer such an error */
+#define BLUR_ERROR 0.15   /* of the smaller of it and the errors: what the law of the overlaps leaves open; and */
+#define GAPS_ERROR 0.05   /* of the errors: what the law of the gaps leaves open; all from simulations */
+#define BLURRED 1.2       /* nor do overlaps whose errors are larger than their mean by this factor */
+#define DULL 0.33         /* errors larger than this share of the mean overlap may pass for overlaps */
+#define WIDER 0.33        /* odds that errors are 1.4 times those stated, before the photo is asked */
+#define UNSURE 0.19       /* variance of this choice at least: the laws' shape tells as much of it as the errors */
+#define HELD 0.4          /* the loads tell mean overlaps below this share of the errors better than the photo, */
+#define LOADED_ERROR 0.2  /* with this relative error: stiffness, lost grains, walls, */
+#define UNLIKE 2.0        /* and the factor between the photo's and the loads' that is no longer such an error */
 
 /* What is fitted, and what is known beside the pairs. */
 struct task {
@@ -144,7 +143,7 @@ static double likely_blur(struct task *task, double correction)
     for (int half = 0; half <= HALVINGS; half++, step /= 2) {
         double middle = blur;
         for (int side = -1; side <= 1; side++) {
-            double trial = middle + side * step;
+            double trial = fabs(middle + side * step);
             overlap_sample_blur(&task->sample, trial);
             double value = log_likelihood(task, correction, &st);
             blur = value > highest ? trial : blur;
@@ -160,12 +159,12 @@ static void read_loaded(struct task *task, double mode, double width, struct rea
 {
     double at = -mode;
     for (int round = 0; round < 2; round++) {
-        read_blurred(task, likely_blur(task, at), at - width, at + width, reading);
+        read_blurred(task, likely_blur(task, at), at - 2 * width, at + 2 * width, reading);
         at = reading->scan.mean;
     }
 }
 
-/* The rules of the loads: the photo does not tell the mean overlap, its middle is where the pile-up has its own. */
+/* The mean overlap is that of the loads. */
 static void judge_loaded(const struct overlap_sample *sample, struct radius_correction *correction)
 {
     double lever = sample->mean_lever, spread = hypot(sample->error, correction->blur);
@@ -176,15 +175,17 @@ static void judge_loaded(const struct overlap_sample *sample, struct radius_corr
         correction->doubt = "under these loads the overlaps are smaller than what their zero is known to";
 }
 
-/* Errors may be 1.4 times those stated (WIDER: how far that is believed): the mean of both readings. */
-static void doubt_errors(struct task *task, const struct reading *stated, struct radius_correction *correction)
+/* Errors may be 1.4 times those stated (WIDER: how far that is believed): the distance of both readings is an error,
+ * and where the edge is hidden, their mean is the value. */
+static void doubt_errors(struct task *task, const struct reading *stated, int hidden,
+                         struct radius_correction *correction)
 {
     struct reading wider;
     double reach = pair_mean_overlap(&stated->statistics) / task->sample.mean_lever;
     read_blurred(task, task->sample.error, correction->value - 2 * reach, correction->value + 2 * reach, &wider);
     double odds = WIDER * exp(fmin(wider.log_likelihood - stated->log_likelihood, 30)), share = odds / (1 + odds);
     double apart = wider.scan.mean - correction->value;
-    correction->value += share * apart;
+    correction->value += hidden ? share * apart : 0;
     correction->error = hypot(correction->error, sqrt(fmax(share * (1 - share), UNSURE)) * apart);
 }
 
@@ -201,9 +202,9 @@ static void judge_edge(struct task *task, const struct reading *reading, double 
     }
     correction->decided = 1;
     correction->error =
-        hypot(correction->error, hypot(MODEL_ERROR * mean, BLUR_ERROR / hypot(1 / error, 1 / mean)) / lever);
+        hypot(correction->error, hypot(MODEL_ERROR * mean, BLUR_ERROR * error * mean / hypot(error, mean)) / lever);
     if (error > DULL * mean)
-        doubt_errors(task, reading, correction);
+        doubt_errors(task, reading, hidden, correction);
     double unlike = correction->loaded > 0 ? fabs(log(mean / correction->loaded)) : 0;
     if (hidden)
         correction->doubt = "the errors of the overlaps hide the edge";
@@ -234,7 +235,8 @@ static int maximise(struct task *task, double mode, double width, struct radius_
     correction->blur = reading.blur;
     if (!(task->sum > 0))
         *softness = best_when_blurred(task, reading.scan.mean, UNSHARP * mean) - reading.scan.value[reading.scan.best];
-    struct pair_odds odds = pair_odds(&reading.statistics, 0, 0);
+    double spread = task->sum > 0 ? hypot(task->sample.error, reading.blur) : 0;
+    struct pair_odds odds = pair_odds(&reading.statistics, 0, spread);
     if (odds.touching + odds.resting < LEAST_CONTRAST * odds.apart)
         correction->why = "contacts do not pile up against gaps";
     else if (task->sum > 0)
@@ -259,7 +261,7 @@ static int estimate(const struct grains *grains, const struct pairs *pairs, cons
         overlap_sample_pile(&task.sample, &mode, &width);
         overlap_sample_cut(&task.sample, mode - FAR_GAPS * width);
         task.loaded = loaded * task.sample.share / task.sample.mean_branch;
-        task.sum = task.loaded < BLURRED * task.sample.error * (double)task.sample.count ? task.loaded : 0;
+        task.sum = task.loaded < HELD * task.sample.error * (double)task.sample.count ? task.loaded : 0;
         if (!(task.sum > 0))
             overlap_sample_cut(&task.sample, mode - NEAR_GAPS * width);
         status = maximise(&task, mode, width, correction, softness);

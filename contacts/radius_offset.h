@@ -13,7 +13,7 @@
  * zero is the middle less the mean overlap. That is not in the photo but in the loads (loaded_overlaps.h): it is held,
  * every overlap gets the further error (a blur) with which the pile-up has its width, and the error of the mean
  * overlap is added. Without loads there remain the stated errors; that they are 1.4 times as large is the other
- * possibility, and both readings are averaged by their likelihoods. */
+ * possibility: the distance of the readings is an error. */
 #ifndef CONTACTS_RADIUS_OFFSET_H
 #define CONTACTS_RADIUS_OFFSET_H
 
