@@ -38,9 +38,10 @@ static int learn(const struct grains *grains, struct contact_network *network)
         /* between grains that are held, nothing rests: what is near zero is a weak contact or a narrow gap */
         int rests = !network->idle && !network->unbalanced;
         network->error = pairs_median_error(&network->pairs);
-        pair_statistics_fit(x, s, n, network->window, rests, NULL, &network->bearing);
-        double near = fmin(network->window, fmax(pair_mean_overlap(&network->bearing), 6 * network->error));
-        pair_statistics_fit(x, s, n, near, rests, &network->bearing, &network->bearing);
+        struct pair_premises premises = {.window = network->window, .rests = rests};
+        pair_statistics_fit(x, s, n, &premises, NULL, &network->bearing);
+        premises.window = fmin(network->window, fmax(pair_mean_overlap(&network->bearing), 6 * network->error));
+        pair_statistics_fit(x, s, n, &premises, &network->bearing, &network->bearing);
         pair_statistics_shares(x + m, s + m, count - m, &network->bearing, &network->idle_pairs);
     }
     free(x);

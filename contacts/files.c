@@ -85,6 +85,10 @@ char *contact_options_text(const struct contact_options *options, const struct c
         good = cJSON_AddTrueToObject(object, "repair") && add(object, "promoted", (double)summary->promoted);
     if (good && summary->undecided)
         good = cJSON_AddStringToObject(object, "radii_undecided", summary->undecided) != NULL;
+    if (good && summary->doubt)
+        good = cJSON_AddStringToObject(object, "radii_doubtful", summary->doubt) != NULL;
+    if (good && summary->loaded_overlap_px > 0)
+        good = add(object, "overlap_of_loads_px", summary->loaded_overlap_px);
     if (good)
         text = json_print(object);
     cJSON_Delete(object);
@@ -138,5 +142,6 @@ void contacts_log(const struct contact_summary *summary)
               "mean_overlap_px", summary->mean_overlap_px, "h", summary->indeterminacy, "s_overlap_px",
               summary->s_overlap_px, "resting_share", summary->resting_share, "radius_scale", summary->radius_scale,
               "radius_offset_px", summary->radius_offset_px, "s_radius_scale", summary->s_radius_scale,
-              "s_radius_offset_px", summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0, NULL);
+              "s_radius_offset_px", summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0,
+              "doubtful", summary->doubt ? 1.0 : 0.0, NULL);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "contacts/contact_network.h"
+#include "contacts/loaded_overlaps.h"
 #include "contacts/radius_offset.h"
 #include "contacts/si_grains.h"
 #include "contacts/stability.h"
@@ -78,22 +79,26 @@ static int is_automatic(const struct contact_options *options)
 static int correct_radii(struct search *search)
 {
     struct contact_options *options = &search->options;
-    double scale = search->input->scene->scale, window;
+    double scale = search->input->scene->scale, window, loaded;
     double reach = scale * fmin(WIDEST_OFFSET_PX, WIDEST_OFFSET * median_radius(search->input->grains));
-    enum correction_kind kind = options->radius_scale_auto ? CORRECT_SCALE : CORRECT_OFFSET;
+    struct overlap_choice choice = {.idle = search->network.idle,
+                                    .kind = options->radius_scale_auto ? CORRECT_SCALE : CORRECT_OFFSET};
     struct grains *grains = &search->packing->grains;
     struct radius_correction correction;
     struct pairs pairs = {0};
     int status = candidates_between_grains(grains, options->candidate_sigmas, 2 * reach, &pairs, &window);
+    choice.farthest = window + 2 * reach;
     if (status == 0)
-        status = radius_correction_estimate(grains, &pairs, search->network.idle, kind, &correction);
+        status = loaded_overlaps(search->input, grains, &loaded);
+    if (status == 0)
+        status = radius_correction_estimate(grains, &pairs, &choice, loaded, &correction);
     pairs_free(&pairs);
     if (status)
         return -1;
     if (search->network.idle && !correction.decided) /* the rough one stands */
         return 0;
     search->correction = correction;
-    if (kind == CORRECT_SCALE)
+    if (choice.kind == CORRECT_SCALE)
         options->radius_scale *= 1 + correction.value;
     else
         options->radius_offset_px += correction.value / scale;
@@ -214,6 +219,8 @@ static void summarise(const struct search *search, struct contact_summary *summa
         .s_radius_scale = search->options.radius_scale_auto ? search->correction.error : 0,
         .s_radius_offset_px = search->options.radius_offset_auto ? search->correction.error / scale : 0,
         .undecided = search->correction.why,
+        .doubt = search->correction.doubt,
+        .loaded_overlap_px = search->correction.loaded / scale,
         .resting_share = resting_share(&search->network),
         .histogram = search->network.histogram,
         .mechanisms = NAN,

@@ -31,6 +31,7 @@ struct contact_input {
     int seen;                          /* the grains are where the photo shows them; 0: the lens is undone already */
     const struct photo_grains *const *more_radii; /* further measurements of the radii and rims of the same rows */
     size_t more_count;
+    int64_t index;    /* of the photo, for the scene's loads */
     int is_reference; /* this photo is the reference: no motion yet */
 };
 
@@ -52,9 +53,12 @@ struct contact_summary {
     double radius_scale, radius_offset_px;     /* as used */
     double s_radius_scale, s_radius_offset_px; /* of an automatic one; 0: given */
     const char *undecided;                     /* why an automatic one was left out; NULL: it was not */
-    double resting_share;                      /* of near pairs: those that rest at zero overlap */
-    double indeterminacy;                      /* h: unknown forces less equations, rattlers left out */
-    double mechanisms;                         /* k: three per rattler */
+    const char *doubt;        /* why one that was found should not be relied on; NULL: nothing speaks against it */
+    double loaded_overlap_px; /* mean overlap of touching pairs that the loads give; 0: they give none, or none was
+                                 sought */
+    double resting_share;     /* of near pairs: those that rest at zero overlap */
+    double indeterminacy;     /* h: unknown forces less equations, rattlers left out */
+    double mechanisms;        /* k: three per rattler */
     struct overlap_histogram histogram;
 };
 

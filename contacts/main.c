@@ -40,6 +40,7 @@ static int run(const struct arguments *arguments)
                                   .more_radii = radii,
                                   .more_count = arguments->radii.count,
                                   .previous = arguments->previous ? &previous : NULL,
+                                  .index = photo.info.index,
                                   .is_reference = status == 0 && photo_state_is_reference(&photo, &scene)};
     if (status == 0 && find_contacts(&input, &options, &packing, &summary))
         status = error_context("%s", arguments->input);

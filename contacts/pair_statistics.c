@@ -16,9 +16,15 @@ enum { MAX_ROUNDS = 300, FREE = 5 };
 #define PRIOR_RESTING 0.2
 #define PRIOR_APART 1.0
 
+/* Mean overlap over scale. */
+static double mean_over_scale(const struct pair_statistics *st)
+{
+    return (st->flat + WIDE * st->wide) * ROOT_2_OVER_PI + (1 - st->flat - st->wide) * ROOT_PI_OVER_2;
+}
+
 double pair_mean_overlap(const struct pair_statistics *st)
 {
-    return ((st->flat + WIDE * st->wide) * ROOT_2_OVER_PI + (1 - st->flat - st->wide) * ROOT_PI_OVER_2) * st->scale;
+    return mean_over_scale(st) * st->scale;
 }
 
 #define ROOT_2PI 2.5066282746310002
@@ -123,9 +129,15 @@ static void keep_inside(struct pair_statistics *st)
     st->wide = wide / sum;
 }
 
+/* The scale with which the overlaps add up to what is known. */
+static double scale_of_sum(const struct pair_statistics *st, double sum)
+{
+    return sum / ((double)st->pairs * st->touching * mean_over_scale(st));
+}
+
 /* One round; the guess counts as PRIOR pairs. Returns the largest change. log_likelihood is that of before. */
-static double improve(const double *x, const double *s, size_t count, const struct pair_statistics *guess,
-                      struct pair_statistics *st)
+static double improve(const double *x, const double *s, size_t count, const struct pair_premises *premises,
+                      const struct pair_statistics *guess, struct pair_statistics *st)
 {
     double touching = PRIOR_TOUCHING, resting = guess->resting > 0 ? PRIOR_RESTING : 0, apart = PRIOR_APART;
     double flat = touching * guess->flat, wide = touching * guess->wide;
@@ -148,9 +160,13 @@ static double improve(const double *x, const double *s, size_t count, const stru
     st->touching = touching / sum;
     st->resting = resting / sum;
     st->apart = apart / sum;
-    st->flat = flat / touching;
-    st->wide = wide / touching;
-    st->scale *= sqrt(square / (2 * touching - flat - wide)); /* the mean of t^2 is a^2, and 2 a^2 for Rayleigh */
+    if (premises->sum > 0) {
+        st->scale = scale_of_sum(st, premises->sum);
+    } else {
+        st->flat = flat / touching;
+        st->wide = wide / touching;
+        st->scale *= sqrt(square / (2 * touching - flat - wide)); /* the mean of t^2 is a^2, and 2 a^2 for Rayleigh */
+    }
     keep_inside(st);
     double shares = fmax(fabs(st->touching - old.touching), fabs(st->resting - old.resting));
     return fmax(shares,
@@ -194,17 +210,18 @@ static void extrapolate(const double a[FREE], const double b[FREE], const double
     from_free(to, st);
 }
 
-void pair_statistics_fit(const double *x, const double *s, size_t count, double window, int rests,
+void pair_statistics_fit(const double *x, const double *s, size_t count, const struct pair_premises *premises,
                          const struct pair_statistics *start, struct pair_statistics *st)
 {
-    struct pair_statistics guess = {.window = window}, good;
+    struct pair_statistics guess = {.window = premises->window}, good;
+    int rests = premises->rests;
     double at[3][FREE];
     first_guess(x, s, count, &guess);
     guess.resting = rests ? guess.resting : 0;
     *st = guess;
     if (start) {
         *st = *start;
-        st->window = window;
+        st->window = premises->window;
         st->pairs = guess.pairs;
         st->resting = rests ? fmax(st->resting, LEAST_RESTING) : 0;
     }
@@ -212,7 +229,7 @@ void pair_statistics_fit(const double *x, const double *s, size_t count, double 
     good.log_likelihood = -INFINITY;
     for (int round = 0; round < MAX_ROUNDS; round += 2) {
         to_free(st, at[0]);
-        double change = improve(x, s, count, &guess, st);
+        double change = improve(x, s, count, premises, &guess, st);
         if (st->log_likelihood < good.log_likelihood - 1e-6) { /* went too far */
             *st = good;
             continue;
@@ -220,7 +237,7 @@ void pair_statistics_fit(const double *x, const double *s, size_t count, double 
         to_free(st, at[1]);
         if (change < CONVERGED)
             break;
-        improve(x, s, count, &guess, st);
+        improve(x, s, count, premises, &guess, st);
         to_free(st, at[2]);
         good = *st;
         extrapolate(at[0], at[1], at[2], st);
@@ -230,6 +247,7 @@ void pair_statistics_fit(const double *x, const double *s, size_t count, double 
 void pair_statistics_shares(const double *x, const double *s, size_t count, const struct pair_statistics *like,
                             struct pair_statistics *st)
 {
+    const struct pair_premises premises = {.window = like->window, .rests = 1};
     struct pair_statistics guess = {.window = like->window};
     first_guess(x, s, count, &guess);
     *st = *like;
@@ -237,7 +255,7 @@ void pair_statistics_shares(const double *x, const double *s, size_t count, cons
     st->touching = st->resting = st->apart = 1.0 / 3;
     for (int round = 0; round < MAX_ROUNDS; round++) {
         struct pair_statistics old = *st;
-        improve(x, s, count, &guess, st);
+        improve(x, s, count, &premises, &guess, st);
         st->scale = like->scale;
         st->flat = like->flat;
         st->wide = like->wide;

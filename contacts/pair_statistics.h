@@ -12,7 +12,11 @@
  *     resting(x, s)  = R N(x; 0, s),        apart(x, s) = A Phi(-x/s)/window,      touching + resting + apart = 1,
  *
  * and Bayes' rule gives the probabilities. The shares T, R, A, w, v and a are found by expectation maximisation
- * (Dempster, Laird and Rubin 1977) with a few pseudo-pairs, which alone decide when there are hardly any pairs. */
+ * (Dempster, Laird and Rubin 1977) with a few pseudo-pairs, which alone decide when there are hardly any pairs.
+ *
+ * Where errors are larger than the overlaps, x does not tell the scale: any asymmetry of the errors would pass for
+ * overlaps. Where the loads say what all overlaps add up to (loaded_overlaps.h), the laws' shares stay
+ * as they are guessed and the scale is where n T <t> is that sum. */
 #ifndef CONTACTS_PAIR_STATISTICS_H
 #define CONTACTS_PAIR_STATISTICS_H
 
@@ -27,9 +31,16 @@ struct pair_statistics {
     double log_likelihood;           /* of these pairs, with the density in 1/m */
 };
 
-/* x, s: overlaps and their standard errors, m; pairs with x < -window are left out. rests 0: R = 0. start (NULL: none):
- * statistics of nearly the same overlaps, from where fewer rounds are needed. */
-void pair_statistics_fit(const double *x, const double *s, size_t count, double window, int rests,
+/* What is held true of the pairs. */
+struct pair_premises {
+    double window; /* m: pairs with x < -window are left out */
+    int rests;     /* 0: R = 0 */
+    double sum;    /* m: of the true overlaps of these pairs; 0: not known, scale and shares of the laws are fitted */
+};
+
+/* x, s: overlaps and their standard errors, m. start (NULL: none): statistics of nearly the same overlaps, from where
+ * fewer rounds are needed. */
+void pair_statistics_fit(const double *x, const double *s, size_t count, const struct pair_premises *premises,
                          const struct pair_statistics *start, struct pair_statistics *statistics);
 
 /* The shares of other pairs, few or many, whose squeezed ones are spread as in `like`. */

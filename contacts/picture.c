@@ -85,6 +85,8 @@ static void words(FILE *stream, const struct contact_summary *summary)
         LEFT, LEFT + 18, LEFT + 230, LEFT + 248, LEFT + 350, LEFT + 380);
     if (summary->undecided)
         fprintf(stream, "<text x=\"%d\" y=\"42\">radii as given: %s</text>\n", LEFT, summary->undecided);
+    else if (summary->doubt)
+        fprintf(stream, "<text x=\"%d\" y=\"42\">doubtful: %s</text>\n", LEFT, summary->doubt);
     else if (summary->s_radius_scale > 0)
         fprintf(stream, "<text x=\"%d\" y=\"42\">radii times %.6f &#177; %.6f, found here</text>\n", LEFT,
                 summary->radius_scale, summary->s_radius_scale);

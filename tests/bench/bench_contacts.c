@@ -3,10 +3,12 @@
  * and scale.
  *
  *     bench_contacts [--grains N] [--kappa K] [--seed S] [--packings N] [--truth FILE] [--s PX] [--draws N]
- *                    [--understated F] [--only errors|offset|reliability|speed]
+ *                    [--understated F] [--radius PX] [--loads F] [--only errors|offset|reliability|speed]
  *
  * --understated F: errors are drawn F times as large as they are stated (findgrains: 1.0 to 1.2). The stated errors of
- * the grains of one photo scatter by a quarter, as those of findgrains do.
+ * the grains of one photo scatter by a quarter, as those of findgrains do. --radius PX: mean radius (100, as in the
+ * full-size photos). --loads F: the scene gives the loads of the walls, and a
+ * stiffness that is off by the share F (standard deviation).
  */
 #include <math.h>
 #include <stdio.h>
@@ -21,8 +23,7 @@
 #include "pipeline/random.h"
 #include "simulation/simulate.h"
 
-#define MEAN_RADIUS_PX 100.0 /* of the full-size photos */
-#define SCATTER 0.25         /* of the stated errors, in their logarithm */
+#define SCATTER 0.25 /* of the stated errors, in their logarithm */
 
 /* The true contacts by their pair. */
 struct contact_key {
@@ -34,12 +35,15 @@ enum { MOST_TRUTHS = 64 };
 struct truths {
     struct packing packing[MOST_TRUTHS];
     struct contact_key *keys[MOST_TRUTHS];
+    char loads[MOST_TRUTHS][64]; /* paths of their loads; empty: the scene gives none */
     size_t count;
 };
 static struct truths truths;
 static double only_s; /* px: the one error of the tables; 0: all */
 static double understated = 1;
-static long draws = 6; /* photos of each packing */
+static double stiffness_error;      /* of the scene's kn, relative */
+static double mean_radius_px = 100; /* of the full-size photos */
+static long draws = 6;              /* photos of each packing */
 
 /* ---- the packing whose contacts are known ---- */
 
@@ -91,7 +95,9 @@ struct seen {
 
 static struct scene scene_of(const struct packing *truth)
 {
-    struct scene scene = {.path = "bench", .scale = mean_radius(truth) / MEAN_RADIUS_PX};
+    struct scene scene = {.path = "bench", .scale = mean_radius(truth) / mean_radius_px};
+    char *loads = truths.loads[truth - truths.packing];
+    scene.loads = *loads ? loads : NULL;
     scene.grains.density = scene.grains.length = NAN;
     scene.contact_given = 1;
     scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
@@ -211,6 +217,7 @@ static int try_once(const struct packing *truth, const struct seen *seen, const 
     struct photo_grains grains = {0};
     struct packing found = {0};
     struct contact_input input = {.scene = &scene, .grains = &grains, .is_reference = 1};
+    scene.contact.kn *= exp(stiffness_error * random_normal(seen->key, 4 * truth->grains.count));
     int status = look(truth, &scene, seen, &grains);
     if (!status)
         status = find_contacts(&input, options, &found, summary);
@@ -409,15 +416,30 @@ static int speed(void)
     return 0;
 }
 
+/* What the machine of the virtual test pushes with, as a table. */
+static int write_loads(const struct walls *walls, char path[64])
+{
+    snprintf(path, 64, "/tmp/bench_contacts_XXXXXX");
+    int handle = mkstemp(path);
+    FILE *file = handle >= 0 ? fdopen(handle, "w") : NULL;
+    if (!file)
+        return error_input("%s: cannot be written", path);
+    fprintf(file, "index,wall,fx_N,fy_N\n");
+    for (size_t w = 0; w < walls->count; w++)
+        if (!wall_is_disc(walls, w))
+            fprintf(file, "0,%s,%.9g,%.9g\n", walls->name[w], walls->fx[w], walls->fy[w]);
+    return fclose(file) ? error_input("%s: cannot be written", path) : 0;
+}
+
 /* Packings from a file, or as many as asked for from seeds in a row. */
-static int get_truths(const char *file, size_t count, long grains, double kappa, uint64_t seed)
+static int get_truths(const char *file, size_t count, long grains, double kappa, uint64_t seed, int loads)
 {
     for (size_t p = 0; p < count; p++) {
         struct packing *truth = &truths.packing[p];
         if ((file ? packing_read(file, truth) : make_truth(grains, kappa, seed + p, truth)) < 0)
             return -1;
         truths.count++;
-        if (index_truth(truth, &truths.keys[p]))
+        if (index_truth(truth, &truths.keys[p]) || (loads && write_loads(&truth->walls, truths.loads[p])))
             return -1;
     }
     return 0;
@@ -440,6 +462,7 @@ int main(int argc, char **argv)
     double kappa = 1000;
     uint64_t seed = 7;
     size_t packings = 1;
+    int loads = 0; /* given */
     const char *file = NULL, *only = NULL;
     for (int a = 1; a + 1 < argc; a += 2) {
         if (!strcmp(argv[a], "--grains"))
@@ -458,12 +481,16 @@ int main(int argc, char **argv)
             draws = atol(argv[a + 1]);
         else if (!strcmp(argv[a], "--understated"))
             understated = atof(argv[a + 1]);
+        else if (!strcmp(argv[a], "--radius"))
+            mean_radius_px = atof(argv[a + 1]);
+        else if (!strcmp(argv[a], "--loads"))
+            stiffness_error = atof(argv[a + 1]), loads = 1;
         else if (!strcmp(argv[a], "--only"))
             only = argv[a + 1];
     }
     if (only && !strcmp(only, "speed"))
         return speed() != 0;
-    int status = get_truths(file, packings, grains, kappa, seed);
+    int status = get_truths(file, packings, grains, kappa, seed, loads);
     if (status == 0)
         status = run(only);
     if (status < 0)
@@ -471,6 +498,8 @@ int main(int argc, char **argv)
     for (size_t p = 0; p < truths.count; p++) {
         free(truths.keys[p]);
         packing_free(&truths.packing[p]);
+        if (*truths.loads[p])
+            remove(truths.loads[p]);
     }
     return status < 0;
 }
