@@ -4,24 +4,11 @@
 
 #include "contacts/cell_list.h"
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 #define WINDOW_OF_RADIUS 0.02 /* gaps up to this share of the median radius tell the density of gaps */
 #define WINDOW_OF_ERROR 6.0   /* standard errors that the window must hold to see the density's shape */
 #define SAME_PLACE 1e-6       /* centres nearer than this share of the radius are one grain found twice */
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, size_t count)
-{
-    if (!count)
-        return 0;
-    qsort(values, count, sizeof *values, by_value);
-    return values[count / 2];
-}
 
 /* How far to look: `margin` for a pair to be seen at all, `window` for the statistics. */
 static int choose_window(const struct grains *grains, double sigmas, double reach, double *window, double *margin)
@@ -45,8 +32,10 @@ static int choose_window(const struct grains *grains, double sigmas, double reac
         shape = isfinite(c + s) ? fmax(shape, hypot(c, s)) : shape;
         n++;
     }
-    *window = fmax(WINDOW_OF_RADIUS * median(radii, n), fmax(WINDOW_OF_ERROR, sigmas) * M_SQRT2 * median(errors, n));
-    *window = fmin(*window, largest);
+    *window = n ? fmin(fmax(WINDOW_OF_RADIUS * median_of(radii, n),
+                            fmax(WINDOW_OF_ERROR, sigmas) * M_SQRT2 * median_of(errors, n)),
+                       largest)
+                : 0;
     *margin = fmax(fmin(fmax(*window, sigmas * M_SQRT2 * worst), largest) + 2 * shape, reach);
     free(radii);
     free(errors);
@@ -129,14 +118,16 @@ int candidates_with_walls(const struct grains *grains, const struct walls *walls
     return 0;
 }
 
-double pairs_median_error(const struct pairs *pairs)
+int pairs_median_error(const struct pairs *pairs, double *error)
 {
     double *s = malloc((pairs->count + 1) * sizeof *s);
-    for (size_t p = 0; s && p < pairs->count; p++)
+    if (!s)
+        return error_memory("errors of overlaps");
+    for (size_t p = 0; p < pairs->count; p++)
         s[p] = pairs->pair[p].s_overlap;
-    double error = s ? median(s, pairs->count) : 0;
+    *error = pairs->count ? median_of(s, pairs->count) : 0;
     free(s);
-    return error;
+    return 0;
 }
 
 void pairs_free(struct pairs *pairs)

@@ -16,8 +16,8 @@ int candidates_between_grains(const struct grains *grains, double sigmas, double
                               double *window);
 /* Add the pairs of grains and walls within the same window; the sorting holds. */
 int candidates_with_walls(const struct grains *grains, const struct walls *walls, double window, struct pairs *pairs);
-/* Median standard error of the overlaps, m; 0 without pairs. */
-double pairs_median_error(const struct pairs *pairs);
+/* Median standard error of the overlaps, m; 0 without pairs. -1: out of memory. */
+int pairs_median_error(const struct pairs *pairs, double *error);
 void pairs_free(struct pairs *pairs); /* accepts a zeroed struct */
 
 #endif

@@ -33,11 +33,10 @@ static int learn(const struct grains *grains, struct contact_network *network)
         x[to] = pair->overlap;
         s[to] = pair->s_overlap;
     }
-    int status = x && s ? 0 : error_memory("overlaps");
+    int status = x && s ? pairs_median_error(&network->pairs, &network->error) : error_memory("overlaps");
     if (status == 0) {
         /* between grains that are held, nothing rests: what is near zero is a weak contact or a narrow gap */
         int rests = !network->idle && !network->unbalanced;
-        network->error = pairs_median_error(&network->pairs);
         struct pair_premises premises = {.window = network->window, .rests = rests};
         pair_statistics_fit(x, s, n, &premises, NULL, &network->bearing);
         premises.window = fmin(network->window, fmax(pair_mean_overlap(&network->bearing), 6 * network->error));
@@ -64,8 +63,7 @@ static void weigh(const struct grains *grains, struct contact_network *network)
 static void count_overlaps(const struct grains *grains, double px, struct contact_network *network)
 {
     struct overlap_histogram *histogram = &network->histogram;
-    double error = pairs_median_error(&network->pairs),
-           reach = fmax(4 * pair_mean_overlap(&network->bearing), 6 * error);
+    double error = network->error, reach = fmax(4 * pair_mean_overlap(&network->bearing), 6 * error);
     double width = 2 * reach / HISTOGRAM_BINS;
     *histogram = (struct overlap_histogram){.low_px = -reach / px, .width_px = width / px};
     for (size_t p = 0; p < network->pairs.count; p++) {

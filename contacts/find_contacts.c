@@ -9,6 +9,7 @@
 #include "contacts/stability.h"
 #include "contacts/state_motion.h"
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
 #define WIDEST_OFFSET_PX 2.0
@@ -48,25 +49,19 @@ static int check_input(const struct contact_input *input, const struct contact_o
     return 0;
 }
 
-static int by_value(const void *a, const void *b)
+/* px; 0 without grains. */
+static int median_radius(const struct photo_grains *grains, double *radius)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_radius(const struct photo_grains *grains)
-{
-    double *radii = malloc((grains->count + 1) * sizeof *radii), value = 0;
+    double *radii = malloc((grains->count + 1) * sizeof *radii);
     size_t n = 0;
-    for (size_t k = 0; radii && k < grains->count; k++)
+    if (!radii)
+        return error_memory("radii");
+    for (size_t k = 0; k < grains->count; k++)
         if (isfinite(grains->radius_px[k]))
             radii[n++] = grains->radius_px[k];
-    if (n) {
-        qsort(radii, n, sizeof *radii, by_value);
-        value = radii[n / 2];
-    }
+    *radius = n ? median_of(radii, n) : 0;
     free(radii);
-    return value;
+    return 0;
 }
 
 static int is_automatic(const struct contact_options *options)
@@ -79,8 +74,10 @@ static int is_automatic(const struct contact_options *options)
 static int correct_radii(struct search *search)
 {
     struct contact_options *options = &search->options;
-    double scale = search->input->scene->scale, window, loaded;
-    double reach = scale * fmin(WIDEST_OFFSET_PX, WIDEST_OFFSET * median_radius(search->input->grains));
+    double scale = search->input->scene->scale, window, loaded, radius;
+    if (median_radius(search->input->grains, &radius))
+        return -1;
+    double reach = scale * fmin(WIDEST_OFFSET_PX, WIDEST_OFFSET * radius);
     struct overlap_choice choice = {.idle = search->network.idle,
                                     .kind = options->radius_scale_auto ? CORRECT_SCALE : CORRECT_OFFSET};
     struct grains *grains = &search->packing->grains;
@@ -225,7 +222,7 @@ static void summarise(const struct search *search, struct contact_summary *summa
         .histogram = search->network.histogram,
         .mechanisms = NAN,
         .indeterminacy = NAN,
-        .s_overlap_px = pairs_median_error(&search->network.pairs) / scale};
+        .s_overlap_px = search->network.error / scale};
     for (size_t k = 0; k < packing->grains.count; k++) {
         summary->unusable += (packing->grains.flags[k] & GRAIN_NOT_FINITE) != 0;
         summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;

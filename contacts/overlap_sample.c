@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 enum { MAX_PAIRS = 20000 };
 
@@ -12,12 +13,6 @@ void overlap_sample_free(struct overlap_sample *sample)
     free(sample->x);
     free(sample->s);
     *sample = (struct overlap_sample){0};
-}
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 static int is_chosen(const struct overlap_choice *choice, const struct pair *pair)
@@ -90,7 +85,7 @@ void overlap_sample_pile(struct overlap_sample *sample, double *mode, double *wi
     double *y = sample->x, sum = 0, beyond = 0;
     for (size_t k = 0; k < sample->count; k++)
         y[k] = sample->pair[k].x / sample->pair[k].lever;
-    qsort(y, sample->count, sizeof *y, by_value);
+    sort_values(y, sample->count);
     *mode = densest(y, sample->count, 0.2);
     for (size_t k = 0; k < sample->count; k++)
         if (y[k] > *mode) {
@@ -104,8 +99,7 @@ static double median_error(struct overlap_sample *sample)
 {
     for (size_t k = 0; k < sample->count; k++)
         sample->s[k] = sample->pair[k].s;
-    qsort(sample->s, sample->count, sizeof *sample->s, by_value);
-    return sample->count ? sample->s[sample->count / 2] : 0;
+    return sample->count ? median_of(sample->s, sample->count) : 0;
 }
 
 void overlap_sample_cut(struct overlap_sample *sample, double lowest)

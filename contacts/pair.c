@@ -73,10 +73,3 @@ struct pair pair_with_wall(const struct grains *grains, size_t i, const struct w
     pair.at = vec_add(a, vec_scale(reach - 0.5 * pair.overlap, n));
     return pair;
 }
-
-struct pair pair_measure(const struct grains *grains, const struct walls *walls, int64_t i, int64_t j)
-{
-    size_t other = (size_t)j;
-    return other < grains->count ? pair_of_grains(grains, (size_t)i, other)
-                                 : pair_with_wall(grains, (size_t)i, walls, other - grains->count);
-}

@@ -23,7 +23,5 @@ double rim_variance(const struct grains *grains, size_t k, struct vec n);
 
 struct pair pair_of_grains(const struct grains *grains, size_t i, size_t j);
 struct pair pair_with_wall(const struct grains *grains, size_t i, const struct walls *walls, size_t wall);
-/* Either of the two, from the numbering of /contacts. */
-struct pair pair_measure(const struct grains *grains, const struct walls *walls, int64_t i, int64_t j);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "contacts/pair.h"
 #include "pipeline/error.h"
+#include "pipeline/median.h"
 
 enum { GRID = 25, MAX_ZOOMS = 16, MAX_FOLLOWED = 400 };
 #define PRIOR_REACH 5.0 /* prior standard deviations that are searched */
@@ -152,18 +153,6 @@ int support_fit(const struct grains *grains, const struct vec *positions, const 
     return 0;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, size_t count)
-{
-    qsort(values, count, sizeof *values, by_value);
-    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
-}
-
 /* Median angle by which the segments between two points turned, of pairs at least a third of the line apart. */
 static double median_turn(const struct rim_points *rim, double half_length, double *room)
 {
@@ -176,7 +165,7 @@ static double median_turn(const struct rim_points *rim, double half_length, doub
             struct vec is = vec_sub(rim->points[b].is, rim->points[a].is);
             room[count++] = atan2(vec_cross(was, is), vec_dot(was, is));
         }
-    return count ? median(room, count) : 0;
+    return count ? median_of(room, count) : 0;
 }
 
 /* Keep the points that touch the line, at most MAX_FOLLOWED of them, evenly chosen. */
@@ -207,12 +196,12 @@ static void follow(const struct rim_points *rim, double overlap, double *room, s
     double turn = median_turn(rim, line->half_length, room);
     struct vec along = vec_rotate(line->along, turn), inward = vec_turn(along);
     suggest(rim, line->middle, turn, along, room);
-    double shift_along = median(room, n);
+    double shift_along = median_of(room, n);
     suggest(rim, line->middle, turn, inward, room);
-    double shift_inward = median(room, n);
+    double shift_inward = median_of(room, n);
     for (size_t k = 0; k < n; k++)
         room[k] = fabs(room[k] - shift_inward);
-    double spread = 1.4826 * median(room, n) + overlap; /* overlaps may have changed by about their mean */
+    double spread = 1.4826 * median_of(room, n) + overlap; /* overlaps may have changed by about their mean */
     line->middle = vec_add(line->middle, vec_add(vec_scale(shift_along, along), vec_scale(shift_inward, inward)));
     line->along = along;
     line->s_offset = hypot(line->s_offset, spread);
