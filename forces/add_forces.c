@@ -10,6 +10,7 @@
 #include "forces/walk.h"
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
+#include "pipeline/stress.h"
 
 /* A new place for the forces of this method: an old result of the same name gives way. */
 static struct forces *make_room(struct packing *packing, enum force_method method)
@@ -118,19 +119,22 @@ static int write_forces(const struct force_request *request, const struct force_
     return status;
 }
 
-int add_forces(const struct force_request *request, size_t *unbalanced, size_t *grains)
+int add_forces(const struct force_request *request, struct force_outcome *outcome)
 {
     struct packing packing = {0}, previous = {0}, from = {0};
     struct force_options options = request->options;
     options.previous = request->previous ? &previous : NULL;
     options.from = request->from ? &from : NULL;
-    *unbalanced = 0;
+    *outcome = (struct force_outcome){.overlaps_over_loads = NAN};
     int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
                  (request->previous && state_check_order(request->previous, &previous.info, &packing.info)) ||
-                 read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, unbalanced) ||
+                 read_state_with_forces(request->from, &from) ||
+                 infer_all(request, &options, &packing, &outcome->unbalanced) ||
                  (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);
-    *grains = packing.grains.count;
+    outcome->grains = packing.grains.count;
+    if (!status && options.law.kind == LAW_LINEAR)
+        outcome->overlaps_over_loads = stress_overlaps_over_loads(&packing, options.law.kn);
     packing_free(&packing);
     packing_free(&previous);
     packing_free(&from);

@@ -11,8 +11,14 @@ struct force_request {
     struct force_options options;
 };
 
-/* *unbalanced: grains out of balance by more than 1 % of <fn>, in the worst of the methods that seek equilibrium (all
- * but cem), out of *grains. */
-int add_forces(const struct force_request *request, size_t *unbalanced, size_t *grains);
+struct force_outcome {
+    size_t unbalanced; /* grains out of balance by more than 1 % of <fn>, in the worst of the methods that seek
+                          equilibrium */
+                       /* (all but cem) */
+    size_t grains;
+    double overlaps_over_loads; /* stress.h; NaN: not known */
+};
+
+int add_forces(const struct force_request *request, struct force_outcome *outcome);
 
 #endif

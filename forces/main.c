@@ -23,6 +23,7 @@ struct arguments {
 enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, STABILITY, FCLIB };
 
 #define MISFIT_NOTED 1.5
+#define OVERLAPS_NOTED 1.4
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -130,6 +131,17 @@ static void say_misfit(const struct series_outcome *outcome)
             outcome->misfit, outcome->worst_misfit, outcome->worst);
 }
 
+/* Stresses follow from the loads, whatever the scale: only the overlaps can tell that it is wrong. */
+static void say_overlaps(const struct arguments *arguments, double ratio)
+{
+    if (ratio > OVERLAPS_NOTED || ratio < 1 / OVERLAPS_NOTED)
+        fprintf(stderr,
+                "forces: %s: overlaps times k_n are %.2g times the loads: scale_m_per_px, kn_N_per_m or the loads are "
+                "wrong, "
+                "or overlaps are no more than their errors\n",
+                arguments->inputs.paths[0], ratio);
+}
+
 static int run_series(const struct arguments *arguments)
 {
     struct scene scene = {0};
@@ -165,7 +177,7 @@ static int run(const struct arguments *arguments)
                                     .fclib = arguments->fclib,
                                     .methods = {{METHOD_MAP}, 1},
                                     .options = FORCE_OPTIONS_DEFAULT};
-    size_t unbalanced = 0, grains = 0;
+    struct force_outcome outcome = {0};
     int status =
         scene_read(arguments->cli.scene, &scene) || force_options_read(&scene, &request.methods, &request.options);
     if (!status) {
@@ -185,10 +197,14 @@ static int run(const struct arguments *arguments)
             request.options.walk = (int)arguments->walk;
         request.options.range = arguments->range;
         request.options.stability |= arguments->stability;
-        status = add_forces(&request, &unbalanced, &grains);
+        status = add_forces(&request, &outcome);
     }
     scene_free(&scene);
-    return status ? -1 : cli_flagged(&arguments->cli, unbalanced, grains, "grains are out of balance by more than 1 %");
+    if (status)
+        return -1;
+    say_overlaps(arguments, outcome.overlaps_over_loads);
+    return cli_flagged(&arguments->cli, outcome.unbalanced, outcome.grains,
+                       "grains are out of balance by more than 1 %");
 }
 
 int main(int argc, char **argv)

@@ -205,6 +205,21 @@ double packing_area(const struct packing *packing)
     return isnan(area) ? rims_area(&packing->grains) : area;
 }
 
+/* ---- overlaps and loads ---- */
+
+double stress_overlaps_over_loads(const struct packing *packing, double kn)
+{
+    const struct contacts *contacts = &packing->contacts;
+    double sum = 0, applied[2][2];
+    for (size_t c = 0; c < contacts->count; c++)
+        if (isfinite(contacts->overlap[c]) && !(contacts->flags && contacts->flags[c] & CONTACT_CANDIDATE))
+            sum +=
+                kn * contacts->overlap[c] * vec_dot(vec(contacts->nx[c], contacts->ny[c]), packing_branch(packing, c));
+    stress_applied(packing, 1, applied); /* times the volume but for the length of the rods */
+    double loads = (applied[0][0] + applied[1][1]) * volume(packing, 1);
+    return loads > 0 ? sum / loads : NAN;
+}
+
 /* ---- fabric ---- */
 
 void packing_fabric(const struct packing *packing, struct fabric *fabric)

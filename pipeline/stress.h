@@ -16,6 +16,11 @@ double packing_area(const struct packing *packing);
  * in the shear part when two walls along x (y) lack theirs. */
 void stress_applied(const struct packing *packing, double area, double sigma[2][2]);
 
+/* Mean stress of the overlaps times kn (candidates left out) over the applied mean stress: 1 where scale, stiffness and
+ * loads are right and overlaps are more than their errors. Scales with the square of a wrong scale where loads are
+ * stresses, with the scale itself where they are forces. NaN where the loads do not say. */
+double stress_overlaps_over_loads(const struct packing *packing, double kn);
+
 struct fabric {
     size_t contacts, wall_contacts, rattlers;
     double z;     /* 2 Nc / Np over grains, wall contacts counted once per grain */

@@ -6,7 +6,8 @@
 #include "pipeline/error.h"
 #include "report/page.h"
 
-static const double FLAGGED_SHARE = 0.05, ZNCC_LOW = 0.9, STRESS_MISFIT = 0.10, IMBALANCE = 0.05, DATA_MISFIT = 1.5;
+static const double FLAGGED_SHARE = 0.05, ZNCC_LOW = 0.9, STRESS_MISFIT = 0.10, IMBALANCE = 0.05, DATA_MISFIT = 1.5,
+                    OVERLAPS_OVER_LOADS = 1.4;
 
 struct warnings {
     struct html *html;
@@ -142,6 +143,30 @@ static void warn_floating(struct warnings *warnings, const struct series *series
                " grains");
 }
 
+/* The same overlaps stand beside every method: the first one with a stiffness speaks. */
+static void warn_scale(struct warnings *warnings, const struct series *series)
+{
+    struct tally large = {0}, small = {0};
+    for (size_t k = 0; k < series->count; k++) {
+        const struct packing_summary *packing = &series->rows[k].packing;
+        double ratio = NAN;
+        for (size_t f = 0; f < packing->force_count && isnan(ratio); f++)
+            ratio = packing->forces[f].overlaps_over_loads;
+        tally_add(&large, ratio, OVERLAPS_OVER_LOADS, series->rows[k].name);
+        tally_add(&small, ratio > 0 ? 1 / ratio : NAN, OVERLAPS_OVER_LOADS, series->rows[k].name);
+    }
+    warn_tally(warnings, &large, "contacts",
+               "states overlaps times k_n are more than 1.4 times the loads: scale, stiffness or loads are wrong, or "
+               "overlaps are "
+               "no more than their errors",
+               1, " times");
+    warn_tally(warnings, &small, "contacts",
+               "states the loads are more than 1.4 times the overlaps times k_n: scale, stiffness or loads are wrong, "
+               "or overlaps "
+               "are no more than their errors",
+               1, " times");
+}
+
 static void warn_gaps(struct warnings *warnings, const struct series *series)
 {
     char text[300];
@@ -210,6 +235,7 @@ int page_warnings(const struct series *series, struct html *html)
     warn_photos(&warnings, series, 0);
     warn_photos(&warnings, series, 1);
     warn_floating(&warnings, series);
+    warn_scale(&warnings, series);
     warn_methods(&warnings, series);
     if (warnings.count)
         fputs("</ul></div>\n", html->stream);

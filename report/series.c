@@ -72,6 +72,7 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
     memcpy(summary.start, forces->start, NAME_LENGTH);
     summary.imbalance = forces->imbalance;
     summary.data_misfit = forces->data_misfit;
+    summary.overlaps_over_loads = stress_overlaps_over_loads(packing, forces->kn);
     for (size_t c = 0; c < contact->count; c++)
         if (contact->fn[c] > 0) {
             sum += contact->fn[c];

@@ -21,6 +21,7 @@ struct force_summary {
     int iterations, converged, infeasible;
     double imbalance, mean_fn, slipping; /* slipping: share of the loaded contacts */
     double data_misfit;                  /* 0: the method has none */
+    double overlaps_over_loads;          /* stress.h; NaN: not known */
     double weber[2][2];
 };
 

@@ -159,6 +159,29 @@ static void test_applied(void **unused)
     packing_free(&p);
 }
 
+/* Overlaps of 3 and 5 N at kn, walls that carry just that; then a stiffness, a list of contacts and loads that are
+ * wrong. */
+static void test_overlaps_over_loads(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    const double kn = 1e5;
+    make_lattice(&p);
+    load_walls(&p, 3 * SIDE, 5 * SIDE);
+    for (size_t c = 0; c < p.contacts.count; c++)
+        p.contacts.overlap[c] = (fabs(p.contacts.nx[c]) > 0.5 ? 3 : 5) / kn;
+    check_near(stress_overlaps_over_loads(&p, kn), 1, 1e-12);
+    check_near(stress_overlaps_over_loads(&p, 2 * kn), 2, 1e-12);
+    p.length_m = NAN; /* forces do not need it */
+    check_near(stress_overlaps_over_loads(&p, kn), 1, 1e-12);
+    for (size_t c = 0; c < p.contacts.count; c++)
+        p.contacts.flags[c] |= CONTACT_CANDIDATE;
+    check_near(stress_overlaps_over_loads(&p, kn), 0, 0);
+    load_walls(&p, NAN, NAN);
+    assert_true(isnan(stress_overlaps_over_loads(&p, kn)));
+    packing_free(&p);
+}
+
 /* Gravity g per grain on a lattice that carries itself: a contact under k rows bears k g, the top wall nothing.
  * The applied stress is the sum of contact forces times branches, done by hand. */
 static void test_applied_gravity(void **unused)
@@ -237,6 +260,7 @@ int main(void)
         cmocka_unit_test(test_weber_one_contact),
         cmocka_unit_test(test_applied),
         cmocka_unit_test(test_applied_gravity),
+        cmocka_unit_test(test_overlaps_over_loads),
         cmocka_unit_test(test_hull),
         cmocka_unit_test(test_fabric),
     };
