@@ -125,7 +125,7 @@ static void lost_photos_keep_their_rows(void **state)
 {
     (void)state;
     write_rods("05 06 30");
-    command_fails(4, "3 of 40 photos that were not used", STIFFNESS "index.csv -o lost.json ??.tracks.hdf");
+    command_fails(4, "3 of 40 photos were not used", STIFFNESS "index.csv -o lost.json ??.tracks.hdf");
     cJSON *object = json_of("lost.json", "film.stiffness/1");
     assert_false(json_is(object, "points.5.used") || json_is(object, "points.30.used"));
     assert_true(json_is(object, "points.7.used") && isnan(json_at(object, "points.5.deflection_m")));

@@ -138,7 +138,7 @@ static void a_lost_grain_keeps_its_row(void **state)
 {
     (void)state;
     write_series(0, 2);
-    command_fails(4, "1 of 5 grains that were lost at the end of a cycle",
+    command_fails(4, "1 of 5 grains were lost at the end of a cycle",
                   "calibration settlement " SCENE "-o lost.json ??.tracks.hdf");
     command_done("calibration settlement " SCENE "--max-flagged 0.2 --trend logarithmic -o lost.json ??.tracks.hdf");
     cJSON *object = json_of("lost.json", "film.settlement/1");

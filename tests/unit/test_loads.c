@@ -146,7 +146,7 @@ static void mistakes(void **state)
     check_refused("", "the first line must be one of");
     check_refused("0,top,1,2\n", ":1: the first line must be one of");
     check_refused("index,wall,fx,fy\n0,top,1,2\n", ":1: the first line must be one of");
-    check_refused("index;wall;fx_N;fy_N\n0;top;1,5;2\n", ":1: the first line must be one of");
+    check_refused("index;wall;fx_N;fy_N\n0;top;1,5;2\n", ":1: the cells are separated by ';'");
     check_refused("index,wall,fx_N,fy_N\n1,top,1,2\n", "no row for photo 0");
     check_refused("index,wall,fx_N,fy_N\n", "no row for photo 0");
     check_refused("index,wall,fx_N,fy_N\n0,top,1,2\n0,top,1,2\n", ":3: photo 0 has this load twice");
