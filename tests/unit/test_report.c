@@ -72,6 +72,19 @@ static void test_match_edges(void **unused)
     check_done(match_grains(&none, &b, r, found));
 }
 
+/* Differences of such places are no numbers. */
+static void test_match_absurd_places(void **unused)
+{
+    (void)unused;
+    const double x[] = {-1.5e308, 1.5e308, 0, 7}, y[] = {1.5e308, 0, -1.5e308, 7}, r[] = {1, 1e308, 1, 1};
+    long found[4];
+    struct match_points points = {4, x, y};
+    check_done(match_grains(&points, &points, r, found));
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(found[k], -1);
+    assert_int_equal(found[3], 3);
+}
+
 /* ---- photo side ---- */
 
 enum { GRAINS_COUNT = 20 };
@@ -721,6 +734,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_match_shuffled),
         cmocka_unit_test(test_match_edges),
+        cmocka_unit_test(test_match_absurd_places),
         cmocka_unit_test(test_compare_found),
         cmocka_unit_test(test_compare_motion),
         cmocka_unit_test(test_compare_lists),
