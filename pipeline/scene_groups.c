@@ -372,9 +372,9 @@ int scene_read_grains(struct scene *scene)
         if (range < 0 || json_number(json, object, "density_kg_m3", DBL_MIN, 1e6, &grains->density) < 0 ||
             json_number(json, object, "length_m", DBL_MIN, 1e3, &grains->length) < 0)
             return -1;
-        if (range && (!(radius[0] > 0) || !(radius[0] <= radius[1]) || radius[1] > MAX_SIDE_PX))
+        if (range && (!(radius[0] >= 1) || !(radius[0] <= radius[1]) || radius[1] > MAX_SIDE_PX))
             return json_error(json, item_of(object, "radius_px"),
-                              "'radius_px' is no range: give [smallest, largest] in px, above 0");
+                              "'radius_px' is no range: give [smallest, largest] in px, 1 or more");
         if (range) {
             grains->radius_min_px = radius[0];
             grains->radius_max_px = radius[1];

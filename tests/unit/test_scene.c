@@ -220,6 +220,8 @@ static void refuses_mistakes_in_groups(void **state)
     check_refused("\"wall\": \"top\", ", "", "a marker needs 'wall' and 'rect'");
     check_refused("[14, 168]", "[168, 14]", ":8:27: 'radius_px' is no range");
     check_refused("[14, 168]", "[0, 14]", "'radius_px' is no range");
+    check_refused("[14, 168]", "[0.5, 14]", "'radius_px' is no range"); /* nothing can be seen of such a grain */
+    check_refused("[14, 168]", "[1e-9, 1]", "'radius_px' is no range");
     check_refused("\"density_kg_m3\": 730", "\"density_kg_m3\": -730", "'density_kg_m3' must be");
     check_refused("\"length_m\"", "\"length_mm\"", "did you mean 'length_m'");
     check_refused("\"linear\"", "\"hertz-ish\"", "give one of: linear");
