@@ -11,6 +11,7 @@
 #include "pipeline/pattern.h"
 
 enum { MAX_SIDE_PX = 1000000, MAX_INDEX = 999999999 };
+#define LEAST_SCALE 1e-12 /* m per px: finer than any microscope, and a million pixels are still some metres apart */
 
 static const cJSON *item_of(const cJSON *object, const char *key)
 {
@@ -130,7 +131,7 @@ int scene_read_root(struct scene *scene)
 {
     const struct json *json = scene->json;
     const cJSON *root = json_root(json);
-    if (read_name(scene) || json_number(json, root, "scale_m_per_px", DBL_MIN, 1, &scene->scale) < 0 ||
+    if (read_name(scene) || json_number(json, root, "scale_m_per_px", LEAST_SCALE, 1, &scene->scale) < 0 ||
         read_vec(json, root, "origin_px", 1e9, &scene->origin_px) < 0 ||
         read_vec(json, root, "gravity_m_per_s2", 1e6, &scene->gravity) < 0 || read_path(scene, "lens", &scene->lens) ||
         read_path(scene, "loads", &scene->loads))
