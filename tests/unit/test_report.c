@@ -396,6 +396,28 @@ static void test_csv(void **unused)
     loaded_free(&loaded);
 }
 
+/* However many methods a file has, none is left out. */
+static void test_csv_of_many_methods(void **unused)
+{
+    (void)unused;
+    enum { METHODS = 40 };
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    struct packing *packing = &loaded.packing;
+    make_chain(packing);
+    packing->forces = realloc(packing->forces, METHODS * sizeof *packing->forces);
+    memset(packing->forces + 1, 0, (METHODS - 1) * sizeof *packing->forces);
+    packing->force_count = METHODS;
+    for (int f = 1; f < METHODS; f++) {
+        check_done(table_alloc(&CONTACT_FORCES, &packing->forces[f].contact, packing->contacts.count, NULL));
+        snprintf(packing->forces[f].method, NAME_LENGTH, "m%d", f);
+    }
+    char *text = text_of(contacts_as_csv, &loaded);
+    assert_non_null(strstr(text, ",m15_fn [N],"));
+    assert_non_null(strstr(text, ",m39_fn [N],"));
+    free(text);
+    loaded_free(&loaded);
+}
+
 static int walls_as_csv(const struct loaded *loaded, FILE *stream)
 {
     return export_csv(loaded, "walls", stream);
@@ -454,6 +476,14 @@ static void test_other_exports(void **unused)
     free(text);
     text = text_of(export_conf, &loaded);
     assert_int_equal(strncmp(text, "4\n0.000000000000000e+00 ", 24), 0);
+    free(text);
+    loaded.packing.info.strain[0] = loaded.packing.info.strain[2] = NAN; /* not known: not 0 */
+    loaded.packing.info.strain[1] = 0.25;
+    free(loaded.packing.grains.angle);
+    loaded.packing.grains.angle = NULL;
+    text = text_of(export_conf, &loaded);
+    assert_non_null(strstr(text, " nan 1 1\n"));
+    assert_non_null(strstr(text, "\nnan -2.500000000000000e-01 nan 0 nan -2.500000000000000e-01 nan nan nan\n"));
     free(text);
     loaded_free(&loaded);
     struct loaded photo = {.path = strdup("b.hdf")};
@@ -742,6 +772,7 @@ int main(void)
         cmocka_unit_test(test_pearson),
         cmocka_unit_test(test_csv),
         cmocka_unit_test(test_csv_names),
+        cmocka_unit_test(test_csv_of_many_methods),
         cmocka_unit_test(test_dic),
         cmocka_unit_test(test_other_exports),
         cmocka_unit_test(test_map_widths),
