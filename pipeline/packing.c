@@ -72,6 +72,11 @@ static int check_grains(const char *path, const struct grains *grains)
             return error_input("%s: grain %zu has no finite centre and positive radius, and no flag says so: make the "
                                "file again",
                                path, k);
+    for (size_t k = 0; k < grains->count; k++) /* NaN: not known */
+        if (grains->mass[k] < 0 || isinf(grains->mass[k]) || grains->inertia[k] < 0 || isinf(grains->inertia[k]))
+            return error_input("%s: grain %zu has a mass of %g kg and a moment of inertia of %g kg m2: make the file "
+                               "again",
+                               path, k, grains->mass[k], grains->inertia[k]);
     return 0;
 }
 
