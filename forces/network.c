@@ -242,8 +242,11 @@ double network_mean_force(const struct network *network, const double *f)
 double network_judge(const struct network *network, const double *f, double *work)
 {
     double largest = 0;
+    int known = 1;
     network_unbalance(network, f, work);
-    for (size_t d = 0; d < network->dofs; d++)
+    for (size_t d = 0; d < network->dofs; d++) {
         largest = fmax(largest, fabs(work[d]));
-    return largest / network_mean_force(network, f);
+        known &= !isnan(work[d]);
+    }
+    return known ? largest / network_mean_force(network, f) : NAN;
 }
