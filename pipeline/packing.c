@@ -155,6 +155,22 @@ static int read_attributes(const struct state *state, const char *group, struct 
     return 0;
 }
 
+/* What a method says of grains has a row for each, or none. */
+static int check_rows_of_grains(const char *path, const char *group, const struct packing *packing,
+                                const struct forces *forces)
+{
+    const struct {
+        const char *what;
+        size_t count;
+    } tables[] = {
+        {"residuals", forces->residual.count}, {"rays", forces->ray.count}, {"motions", forces->softest.count}};
+    for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
+        if (tables[k].count && tables[k].count != packing->grains.count)
+            return error_input("%s: /%s has %zu %s for %zu grains: make the file again", path, group, tables[k].count,
+                               tables[k].what, packing->grains.count);
+    return 0;
+}
+
 static int read_method(const struct state *state, const char *path, const char *method, const struct packing *packing,
                        struct forces *forces)
 {
@@ -172,10 +188,7 @@ static int read_method(const struct state *state, const char *path, const char *
     if (forces->contact.count != packing->contacts.count)
         return error_input("%s: /%s has %zu forces for %zu contacts: make the file again", path, group,
                            forces->contact.count, packing->contacts.count);
-    if (forces->residual.count && forces->residual.count != packing->grains.count)
-        return error_input("%s: /%s has %zu residuals for %zu grains: make the file again", path, group,
-                           forces->residual.count, packing->grains.count);
-    return 0;
+    return check_rows_of_grains(path, group, packing, forces);
 }
 
 static int read_forces(const struct state *state, const char *path, struct packing *packing)
