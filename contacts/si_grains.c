@@ -75,15 +75,15 @@ static struct vec corrected(const struct contact_input *input, struct vec px, do
     return lens_corrected(input->lens, px);
 }
 
-/* An error that is no number would count as none, and the grain as exact. */
+/* An error that is no number would count as none, and the grain as exact; one below 0 as its opposite. */
 static int errors_are_numbers(const struct grains *grains, size_t k)
 {
-    const double *const columns[] = {grains->s_x,      grains->s_y,     grains->s_x_ref, grains->s_y_ref,
-                                     grains->s_radius, grains->s_shape, grains->shape_c, grains->shape_s};
-    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
-        if (!isfinite(column_or_zero(columns[c], k)))
+    const double *const errors[] = {grains->s_x,     grains->s_y,      grains->s_x_ref,
+                                    grains->s_y_ref, grains->s_radius, grains->s_shape};
+    for (size_t c = 0; c < sizeof errors / sizeof *errors; c++)
+        if (!(column_or_zero(errors[c], k) >= 0) || isinf(column_or_zero(errors[c], k)))
             return 0;
-    return 1;
+    return isfinite(column_or_zero(grains->shape_c, k)) && isfinite(column_or_zero(grains->shape_s, k));
 }
 
 static void place(const struct contact_input *input, const struct contact_options *options, struct grains *grains)

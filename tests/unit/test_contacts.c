@@ -299,7 +299,7 @@ static void test_missing_errors_are_flagged(void **state)
         add_column(&s, "shape_c", &s.grains.shape_c, 0.01);
         add_column(&s, "s_shape", &s.grains.s_shape, 0.01);
         double *const columns[] = {s.grains.s_x, s.grains.s_radius, s.grains.shape_c, s.grains.s_shape};
-        columns[k][1] = k % 2 ? INFINITY : NAN;
+        columns[k][1] = k == 3 ? -0.01 : k == 1 ? INFINITY : NAN;
         check_done(find(&s, NULL, 1));
         assert_int_equal(s.packing.grains.flags[1], GRAIN_NOT_FINITE);
         assert_int_equal(s.summary.unusable, 1);
