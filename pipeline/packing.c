@@ -101,13 +101,25 @@ static int check_contacts(const char *path, const struct packing *packing)
     return 0;
 }
 
-static int read_walls(const struct state *state, struct walls *walls)
+/* NaN is not known; a wall a million km away, or of that radius, is none: who draws it would not come to an end. */
+static int check_walls(const char *path, const struct walls *walls)
+{
+    const double *const columns[] = {walls->x0, walls->y0, walls->x1, walls->y1, walls->radius};
+    for (size_t w = 0; w < walls->count; w++)
+        for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+            if (fabs(columns[c][w]) >= 1e9)
+                return error_input("%s: wall %zu lies at or has a radius of %g m: make the file again", path, w,
+                                   columns[c][w]);
+    return 0;
+}
+
+static int read_walls(const struct state *state, const char *path, struct walls *walls)
 {
     static const char *const required[] = {"name", "x0", "y0", "x1", "y1", "radius", NULL};
     if (state_has(state, "walls") == 0)
         return 0;
-    return state_read(state, "walls", &WALLS, required, walls) || table_add(&WALLS, walls, "fx") ||
-                   table_add(&WALLS, walls, "fy") || table_add(&WALLS, walls, "flags")
+    return state_read(state, "walls", &WALLS, required, walls) || check_walls(path, walls) ||
+                   table_add(&WALLS, walls, "fx") || table_add(&WALLS, walls, "fy") || table_add(&WALLS, walls, "flags")
                ? -1
                : 0;
 }
@@ -118,7 +130,7 @@ static int read_tables(const struct state *state, const char *path, struct packi
     static const char *const of_contacts[] = {"i", "j", "nx", "ny", "x", "y", "overlap", "flags", NULL};
     return state_read_info(state, &packing->info) ||
                    state_read(state, "grains", &GRAINS, of_grains, &packing->grains) ||
-                   read_walls(state, &packing->walls) ||
+                   read_walls(state, path, &packing->walls) ||
                    state_read(state, "contacts", &CONTACTS, of_contacts, &packing->contacts) ||
                    check_grains(path, &packing->grains) || check_contacts(path, packing)
                ? -1

@@ -269,6 +269,12 @@ static void test_refused(void **unused)
     p.grains.inertia[0] = INFINITY;
     assert_refused(&p, "grain 0 has a mass");
     make_packing(&p, 1);
+    p.walls.radius[1] = INFINITY;
+    assert_refused(&p, "wall 1");
+    make_packing(&p, 1);
+    p.walls.x0[0] = -1e300;
+    assert_refused(&p, "wall 0");
+    make_packing(&p, 1);
     p.forces[1].softest.count = 2;
     assert_refused(&p, "2 motions for 3 grains");
     make_packing(&p, 1);
