@@ -252,7 +252,10 @@ int lammps_probes_open(const struct simulation *simulation, double strain, doubl
         return error_input("probes of spheres need LAMMPS: install the package lammps");
     probes->d50 = median_diameter(simulation);
     const char *temporary = getenv("TMPDIR");
-    snprintf(probes->folder, sizeof probes->folder, "%.100s/film_lammps_XXXXXX", temporary ? temporary : "/tmp");
+    temporary = temporary ? temporary : "/tmp";
+    if (strlen(temporary) > 100)
+        return error_input("%s: has more than 100 characters: set TMPDIR to a shorter path", temporary);
+    snprintf(probes->folder, sizeof probes->folder, "%s/film_lammps_XXXXXX", temporary);
     if (!mkdtemp(probes->folder))
         return error_failed("%s: %s", probes->folder, strerror(errno));
     double guess = hertz_volume_per_contact(HERTZ_3D, 0.5 * probes->d50, 0.38, 5);

@@ -5,9 +5,10 @@
 
 #include "pipeline/error.h"
 
-enum { CLASSES = 24 };
+enum { CLASSES = 24, MOST_NEAR_CELLS = 64 };
 static const size_t NONE = (size_t)-1;
 #define MAX_CELLS_ACROSS 1073741824.0 /* 2^30: cell numbers stay far inside int64 */
+#define FARTHEST 1e150                /* further out squares of differences are no numbers */
 
 struct cell {
     int level;
@@ -47,7 +48,8 @@ static void classify(struct cell_list *list, const unsigned char *skip)
     double smallest = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
     list->x0 = list->y0 = INFINITY;
     for (size_t k = 0; k < list->count; k++) {
-        int usable = isfinite(list->x[k]) && isfinite(list->y[k]) && isfinite(list->radius[k]) && list->radius[k] > 0;
+        int usable = fabs(list->x[k]) < FARTHEST && fabs(list->y[k]) < FARTHEST && list->radius[k] > 0 &&
+                     list->radius[k] < FARTHEST;
         list->level[k] = usable && !(skip && skip[k]) ? 0 : -1;
         if (list->level[k] < 0)
             continue;
@@ -110,36 +112,56 @@ static int push(struct near_pairs *pairs, size_t *room, size_t a, size_t b)
     return 0;
 }
 
-/* Discs in one cell that are near disc k; in its own class only those of smaller number, so that a pair counts once. */
+/* Is `other`, of class `level`, near disc k? In its own class only those of smaller number, so that a pair counts once.
+ */
+static int offer(const struct cell_list *list, size_t k, int level, size_t other, struct near_pairs *pairs,
+                 size_t *room)
+{
+    if (list->level[other] != level || (level == list->level[k] && other >= k))
+        return 0;
+    double reach = list->radius[k] + list->radius[other] + list->margin;
+    double dx = list->x[other] - list->x[k], dy = list->y[other] - list->y[k];
+    return dx * dx + dy * dy <= reach * reach ? push(pairs, room, k, other) : 0;
+}
+
 static int search_cell(const struct cell_list *list, size_t k, struct cell cell, struct near_pairs *pairs, size_t *room)
 {
     for (size_t other = list->head[bucket_of(list, cell)]; other != NONE; other = list->next[other]) {
-        if (list->level[other] != cell.level || (cell.level == list->level[k] && other >= k))
-            continue;
         struct cell at = cell_at(list, cell.level, list->x[other], list->y[other]);
-        if (at.column != cell.column || at.row != cell.row)
-            continue;
-        double reach = list->radius[k] + list->radius[other] + list->margin;
-        double dx = list->x[other] - list->x[k], dy = list->y[other] - list->y[k];
-        if (dx * dx + dy * dy <= reach * reach && push(pairs, room, k, other))
+        if (at.column == cell.column && at.row == cell.row && offer(list, k, cell.level, other, pairs, room))
             return -1;
     }
     return 0;
 }
 
+/* Without the cells, which would be more than there are discs. */
+static int search_class(const struct cell_list *list, size_t k, int level, struct near_pairs *pairs, size_t *room)
+{
+    for (size_t other = 0; other < list->count; other++)
+        if (offer(list, k, level, other, pairs, room))
+            return -1;
+    return 0;
+}
+
+static int search_level(const struct cell_list *list, size_t k, int level, struct near_pairs *pairs, size_t *room)
+{
+    double reach = list->radius[k] + list->largest[level] + list->margin, across = 2 * reach / list->width[level] + 2;
+    if (!(across * across <= (double)list->count + MOST_NEAR_CELLS))
+        return search_class(list, k, level, pairs, room);
+    struct cell low = cell_at(list, level, list->x[k] - reach, list->y[k] - reach);
+    struct cell high = cell_at(list, level, list->x[k] + reach, list->y[k] + reach);
+    for (int64_t row = low.row; row <= high.row; row++)
+        for (int64_t column = low.column; column <= high.column; column++)
+            if (search_cell(list, k, (struct cell){level, column, row}, pairs, room))
+                return -1;
+    return 0;
+}
+
 static int search_around(const struct cell_list *list, size_t k, struct near_pairs *pairs, size_t *room)
 {
-    for (int level = 0; level <= list->level[k]; level++) {
-        if (list->largest[level] == 0)
-            continue;
-        double reach = list->radius[k] + list->largest[level] + list->margin;
-        struct cell low = cell_at(list, level, list->x[k] - reach, list->y[k] - reach);
-        struct cell high = cell_at(list, level, list->x[k] + reach, list->y[k] + reach);
-        for (int64_t row = low.row; row <= high.row; row++)
-            for (int64_t column = low.column; column <= high.column; column++)
-                if (search_cell(list, k, (struct cell){level, column, row}, pairs, room))
-                    return -1;
-    }
+    for (int level = 0; level <= list->level[k]; level++)
+        if (list->largest[level] > 0 && search_level(list, k, level, pairs, room))
+            return -1;
     return 0;
 }
 

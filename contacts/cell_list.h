@@ -13,7 +13,7 @@ struct near_pairs {
 };
 
 /* Every pair with distance <= radius_i + radius_j + margin (any unit, margin >= 0). A disc with a number that is not
- * finite or a radius that is not positive has no pair; skip (may be NULL): rows to leave out. */
+ * finite (or 1e150 and more) or a radius that is not positive has no pair; skip (may be NULL): rows to leave out. */
 int near_pairs_find(const double *x, const double *y, const double *radius, const unsigned char *skip, size_t count,
                     double margin, struct near_pairs *pairs);
 void near_pairs_free(struct near_pairs *pairs); /* accepts a zeroed struct */

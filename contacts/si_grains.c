@@ -75,6 +75,17 @@ static struct vec corrected(const struct contact_input *input, struct vec px, do
     return lens_corrected(input->lens, px);
 }
 
+/* An error that is no number would count as none, and the grain as exact; one below 0 as its opposite. */
+static int errors_are_numbers(const struct grains *grains, size_t k)
+{
+    const double *const errors[] = {grains->s_x,     grains->s_y,      grains->s_x_ref,
+                                    grains->s_y_ref, grains->s_radius, grains->s_shape};
+    for (size_t c = 0; c < sizeof errors / sizeof *errors; c++)
+        if (!(column_or_zero(errors[c], k) >= 0) || isinf(column_or_zero(errors[c], k)))
+            return 0;
+    return isfinite(column_or_zero(grains->shape_c, k)) && isfinite(column_or_zero(grains->shape_s, k));
+}
+
 static void place(const struct contact_input *input, const struct contact_options *options, struct grains *grains)
 {
     const struct photo_grains *photo = input->grains;
@@ -88,7 +99,7 @@ static void place(const struct contact_input *input, const struct contact_option
         grains->radius[k] = scale * radius_px;
         grains->angle[k] = photo->angle && photo->x_ref_px ? photo->angle[k] : 0;
         grains->flags[k] = photo->flags ? photo->flags[k] : 0;
-        if (!isfinite(at.x + at.y) || !isfinite(radius_px) || radius_px <= 0)
+        if (!isfinite(at.x + at.y) || !isfinite(radius_px) || radius_px <= 0 || !errors_are_numbers(grains, k))
             grains->flags[k] |= GRAIN_NOT_FINITE;
     }
 }

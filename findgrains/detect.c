@@ -19,9 +19,10 @@
 #define MOST_ONE_SIDED 0.72
 #define GROWN 1.2 /* of the radius */
 #define LIKELY_SUPPORT 0.5
-#define FEW 0.02          /* of the sure grains so far: an octave with fewer likely ones is the last */
-#define TILE_PIXELS 4.0e6 /* of the level for captures: bounds the memory */
-enum { AGAIN = 3, CHUNK = 256 };
+#define FEW 0.02           /* of the sure grains so far: an octave with fewer likely ones is the last */
+#define TILE_PIXELS 4.0e6  /* of the level for captures: bounds the memory */
+#define SMALLEST_TILE 64.0 /* px: smaller radii than 1 px would make tiles of nothing */
+enum { AGAIN = 3, CHUNK = 256, MOST_OCTAVES = 24 };
 
 struct search {
     const struct photo *photo;
@@ -179,7 +180,7 @@ static int search_window(struct search *search, struct octave *octave)
 static int search_octave(struct search *search, double low, double high)
 {
     const struct zone *zone = search->zone;
-    int side = (int)fmax(8 * high, sqrt(TILE_PIXELS) * fine_scale(search, low));
+    int side = (int)fmax(SMALLEST_TILE, fmax(8 * high, sqrt(TILE_PIXELS) * fine_scale(search, low)));
     int columns = (zone->x1 - zone->x0 + side - 1) / side, rows = (zone->y1 - zone->y0 + side - 1) / side;
     int width = (zone->x1 - zone->x0 + columns - 1) / columns, height = (zone->y1 - zone->y0 + rows - 1) / rows;
     for (int j = 0; j < rows; j++)
@@ -197,7 +198,7 @@ static int search_octave(struct search *search, double low, double high)
 
 static int search_range(struct search *search, double low, double high)
 {
-    int octaves = (int)fmax(1, ceil(log2(high / low) - 1e-9));
+    int octaves = (int)fmax(1, fmin(MOST_OCTAVES, ceil(log2(high / low) - 1e-9)));
     double ratio = pow(high / low, 1.0 / octaves);
     for (int k = 0; k < octaves; k++, high /= ratio)
         if (search_octave(search, high / ratio, high))

@@ -66,7 +66,7 @@ static void look_at_rims(const struct photo *photo, const struct find_notes *not
             rim.c2 = grains->shape_c[k];
             rim.s2 = -grains->shape_s[k];
         }
-        if (!isfinite(rim.x + rim.y + rim.radius))
+        if (!rim_is_possible(photo, &rim))
             continue;
         if (rim_shows_flank(photo, &rim, &notes->levels, notes->blur_px))
             grains->flags[k] |= GRAIN_FLANK;
@@ -110,6 +110,19 @@ static int look_for_frame(const struct photo *photo, const struct find_options *
     return 0;
 }
 
+/* A circle larger than the photo, or far from it, would stand over every grain. */
+static int check_added(const struct photo *photo, const struct candidates *found)
+{
+    for (size_t k = 0; k < found->count; k++) {
+        const struct rim *rim = &found->items[k].rim;
+        if (found->items[k].by_hand && !rim_is_possible(photo, rim))
+            return error_input("a circle of %g px at (%g, %g) is no grain of a photo of %d x %d px: correct the list "
+                               "of grains to add",
+                               rim->radius, rim->x, rim->y, photo->width, photo->height);
+    }
+    return 0;
+}
+
 int find_grains(const struct photo *photo, const struct find_options *options, struct photo_grains *grains,
                 struct find_notes *notes)
 {
@@ -124,7 +137,7 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
     notes->radius_max_px = range[1];
     notes->captured = found.count;
     if (!status)
-        status = corrections_apply(options->corrections, &found);
+        status = corrections_apply(options->corrections, &found) || check_added(photo, &found) ? -1 : 0;
     if (!status)
         status = measure(photo, options, &found, 0, grains, notes);
     if (!status)

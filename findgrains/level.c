@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define MOST_TIMES 16 /* the photo magnified: radii of 1 px ask for 6 */
+
 static void mask_outside(const struct zone *zone, double outside, struct level *level)
 {
     if (!zone->has_frame)
@@ -28,7 +30,7 @@ static int choose_window(const struct zone *zone, double scale, int *width, int 
         *width = level->width * factor;
         *height = level->height * factor;
     } else {
-        int factor = (int)lround(1 / scale);
+        int factor = (int)fmin(MOST_TIMES, round(1 / scale));
         level->scale = 1.0 / factor;
         level->width = room_x * factor;
         level->height = room_y * factor;

@@ -59,14 +59,15 @@ void rims_free(struct rims *rims)
 }
 
 /* Rims within `reach` of rim k, in row order. */
-static size_t gather_neighbours(const struct rims *rims, size_t k, double reach, struct rim *others)
+static size_t gather_neighbours(const struct photo *photo, const struct rims *rims, size_t k, double reach,
+                                struct rim *others)
 {
     const struct rim *rim = &rims->items[k].rim;
     size_t count = 0;
     for (size_t j = 0; j < rims->count && count < NEIGHBOURS; j++) {
         const struct rim *other = &rims->items[j].rim;
         double limit = rim->radius + other->radius + reach, dx = other->x - rim->x, dy = other->y - rim->y;
-        if (j != k && dx * dx + dy * dy < limit * limit)
+        if (j != k && dx * dx + dy * dy < limit * limit && rim_is_possible(photo, other))
             others[count++] = *other;
     }
     return count;
@@ -104,7 +105,7 @@ static int iterate(const struct photo *photo, const struct zone *zone, const str
                 own.window = fmin(2.5 * own.blur, 0.5 * rims->items[k].rim.radius);
             }
             own.window = fmin(own.window, 0.7 * rims->items[k].rim.radius);
-            size_t count = gather_neighbours(rims, k, own.window + 5 * own.blur, others);
+            size_t count = gather_neighbours(photo, rims, k, own.window + 5 * own.blur, others);
             if (refine_circle(photo, zone, others, count, &own, ellipse, &work, &to[at]))
                 error_share(&failure, (long)k);
         }

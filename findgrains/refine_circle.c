@@ -280,6 +280,8 @@ int refine_circle(const struct photo *photo, const struct zone *zone, const stru
     struct rim rim = refined->rim;
     *refined = (struct refined){.rim = rim, .s_x = NAN, .s_y = NAN, .s_radius = NAN, .s_shape = NAN};
     struct fit fit;
+    if (!rim_is_possible(photo, &rim))
+        return 0;
     if (edge_fit(photo, zone, &rim, others, other_count, settings, work) ||
         fit_alloc(&fit, work, settings->tukey, ellipse))
         return -1;

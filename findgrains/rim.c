@@ -72,8 +72,8 @@ static int cells_make(const struct candidates *list, double share, struct cells 
         radius = fmax(radius, rim->radius);
     }
     cells->side = fmax(2 * share * radius, fmax(x1 - cells->x0, y1 - cells->y0) / MOST_CELLS) + 1e-9;
-    cells->columns = 1 + (size_t)((x1 - cells->x0) / cells->side);
-    cells->rows = 1 + (size_t)((y1 - cells->y0) / cells->side);
+    cells->columns = 1 + (size_t)fmin(MOST_CELLS, (x1 - cells->x0) / cells->side); /* also when it is no number */
+    cells->rows = 1 + (size_t)fmin(MOST_CELLS, (y1 - cells->y0) / cells->side);
     cells->first = malloc((cells->columns * cells->rows + list->count) * sizeof *cells->first);
     if (!cells->first)
         return error_memory("cells of candidates");

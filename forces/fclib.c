@@ -1,6 +1,7 @@
 #include "forces/fclib.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,6 +95,16 @@ static void neighbours_of(const struct network *network, const struct actors *ac
     qsort(near->contact, (size_t)near->count, sizeof *near->contact, compare_integers);
 }
 
+/* At least so many entries has W: the blocks of all contacts of one body with each other. Quickly told, where W itself
+ * would cost the square of a wall's contacts. */
+static double least_entries(const struct network *network, const struct actors *actors)
+{
+    double most = 0;
+    for (size_t d = 0; d < network->dofs; d++)
+        most = fmax(most, (double)(actors->start[d + 1] - actors->start[d]));
+    return 4 * most * most;
+}
+
 /* Columns 2 c and 2 c + 1. */
 static void store_columns(const struct neighbours *near, size_t c, struct local_problem *problem)
 {
@@ -112,6 +123,9 @@ static int fill_w(const struct network *network, const struct actors *actors, st
                   struct local_problem *problem)
 {
     size_t entries = 0;
+    if (least_entries(network, actors) > INT_MAX)
+        return error_input("%.3g entries and more do not fit into the integers of FCLib: cut the packing",
+                           least_entries(network, actors));
     for (size_t c = 0; c < network->count; c++) {
         neighbours_of(network, actors, c, near);
         entries += 4 * (size_t)near->count;
@@ -224,15 +238,24 @@ static int write_string(hid_t file, const char *name, const char *text)
     return failed;
 }
 
-static int make_groups(hid_t file)
+static int make_groups(hid_t file, hid_t properties)
 {
     static const char *const names[] = {"/fclib_local", "/fclib_local/W", "/fclib_local/vectors", "/fclib_local/info"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        hid_t group = H5Gcreate2(file, names[k], H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        hid_t group = H5Gcreate2(file, names[k], H5P_DEFAULT, properties, H5P_DEFAULT);
         if (group < 0 || H5Gclose(group) < 0)
             return 1;
     }
     return 0;
+}
+
+static int make_timeless_groups(hid_t file)
+{
+    hid_t properties = H5Pcreate(H5P_GROUP_CREATE);
+    int failed = properties < 0 || H5Pset_obj_track_times(properties, 0) < 0 || make_groups(file, properties);
+    if (properties >= 0)
+        H5Pclose(properties);
+    return failed;
 }
 
 static int write_info(hid_t file, const struct network *network)
@@ -252,7 +275,7 @@ static int write_info(hid_t file, const struct network *network)
 static int write_problem(hid_t file, const struct network *network, const struct local_problem *problem)
 {
     static const int plane = 2, columns = -1;
-    return make_groups(file) || write_integers(file, "/fclib_local/spacedim", 1, &plane) ||
+    return make_timeless_groups(file) || write_integers(file, "/fclib_local/spacedim", 1, &plane) ||
            write_integers(file, "/fclib_local/W/m", 1, &problem->rows) ||
            write_integers(file, "/fclib_local/W/n", 1, &problem->rows) ||
            write_integers(file, "/fclib_local/W/nz", 1, &columns) ||

@@ -75,15 +75,17 @@ static double falling(const struct packing *packing, const struct network *netwo
     return largest;
 }
 
-/* cem has no say in equilibrium: it is judged like the others. */
+/* cem has no say in equilibrium: it is judged like the others. Where a force is not known (only cem leaves NaN), the
+ * balance is not either, and does not count as reached. */
 static int judge(const struct packing *packing, const struct network *network, const struct force_options *options,
-                 const double *f, struct outcome *outcome, double *unbalance)
+                 enum force_method method, const double *f, struct outcome *outcome, double *unbalance)
 {
-    outcome->imbalance =
-        fmax(network_judge(network, f, unbalance), falling(packing, network) / network_mean_force(network, f));
+    double held = network_judge(network, f, unbalance);
+    double free = falling(packing, network) / network_mean_force(network, f);
+    outcome->imbalance = isnan(held) || isnan(free) ? NAN : fmax(held, free);
     outcome->converged = outcome->imbalance <= options->tolerance;
     for (size_t k = 0; k < 2 * network->count; k++)
-        if (!isfinite(f[k]))
+        if (!isfinite(f[k]) && !(method == METHOD_CEM && isnan(f[k])))
             return error_input("the forces are not finite: look for absurd numbers in the file");
     return 0;
 }
@@ -94,6 +96,8 @@ static int judge(const struct packing *packing, const struct network *network, c
  * slipping: map's forces are means over what is possible, which lie inside. */
 static uint32_t status_of(double mu, double fn, double ft, double margin)
 {
+    if (isnan(fn) || isnan(ft))
+        return STATUS_NOT_USED;
     if (fn <= margin)
         return STATUS_OPEN;
     return mu > 0 && fabs(ft) >= mu * fn * (1 - margin) ? STATUS_SLIP : STATUS_STICK;
@@ -210,7 +214,7 @@ static int infer(const struct packing *packing, const struct network *network, c
     if (!f || !unbalance)
         status = error_memory("forces");
     else if (!solve(packing, network, options, method, f, &outcome, &spread) &&
-             !judge(packing, network, options, f, &outcome, unbalance))
+             !judge(packing, network, options, method, f, &outcome, unbalance))
         status = store(packing, network, options, method, f, &outcome, unbalance, forces);
     if (!status && is_doubtful(method, &outcome))
         status = prove(network, options, forces);
@@ -223,7 +227,9 @@ static int infer(const struct packing *packing, const struct network *network, c
 
 static double unbalance_of(const struct residuals *residual, size_t k, double radius)
 {
-    return fmax(hypot(residual->residual_x[k], residual->residual_y[k]), fabs(residual->residual_m[k]) / radius);
+    double force = hypot(residual->residual_x[k], residual->residual_y[k]);
+    double moment = fabs(residual->residual_m[k]) / radius;
+    return isnan(force) || isnan(moment) ? NAN : fmax(force, moment); /* hypot(inf, NaN) is inf */
 }
 
 static double mean_pushing(const struct contact_forces *contact)
@@ -244,19 +250,23 @@ static double mean_radius_of(const struct grains *grains)
     return sum > 0 ? sum / count : 1;
 }
 
-/* In the mean over the grains; how far the forces are outside their cones. */
+/* In the mean over the grains whose balance is known; how far the forces are outside their cones. */
 static void sum_up(const struct packing *packing, const struct contact_law *law, struct forces *forces)
 {
     double mean = mean_pushing(&forces->contact), radius = mean_radius_of(&packing->grains), sum = 0, out = 0;
-    for (size_t k = 0; k < forces->residual.count; k++)
-        sum += unbalance_of(&forces->residual, k, radius);
+    size_t known = 0;
+    for (size_t k = 0; k < forces->residual.count; k++) {
+        double unbalance = unbalance_of(&forces->residual, k, radius);
+        known += !isnan(unbalance);
+        sum += isnan(unbalance) ? 0 : unbalance;
+    }
     for (size_t c = 0; c < forces->contact.count; c++) {
         size_t wall;
         double mu = packing_is_wall(packing, c, &wall) ? law->mu_wall : law->mu, fn = forces->contact.fn[c];
         out = fmax(out, fmax(-fn, fabs(forces->contact.ft[c]) - mu * fn));
     }
     mean = mean > 0 ? mean : 1;
-    forces->imbalance_mean = forces->residual.count ? sum / (double)forces->residual.count / mean : 0;
+    forces->imbalance_mean = known ? sum / (double)known / mean : 0;
     forces->violation = out / mean;
 }
 
@@ -289,7 +299,13 @@ size_t forces_unbalanced_grains(const struct packing *packing, const struct forc
 {
     double limit = share * mean_pushing(&forces->contact), radius = mean_radius_of(&packing->grains);
     size_t found = 0;
-    for (size_t k = 0; k < forces->residual.count; k++)
-        found += unbalance_of(&forces->residual, k, radius) > limit;
+    const uint32_t *flags = packing->grains.flags;
+    for (size_t k = 0; k < forces->residual.count; k++) {
+        double unbalance = unbalance_of(&forces->residual, k, radius);
+        if (isnan(unbalance)) /* nobody knows that it is balanced; of a grain that was not measured its flag says so */
+            found += !flags || !(flags[k] & GRAIN_DISTRUST);
+        else
+            found += unbalance > limit;
+    }
     return found;
 }

@@ -52,7 +52,8 @@ struct force_options {
 int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
                  struct forces *forces);
 
-/* Grains whose unbalanced force or moment (over the mean radius) exceeds `share` of the mean normal force. */
+/* Grains whose unbalanced force or moment (over the mean radius) exceeds `share` of the mean normal force, or is not
+ * known. */
 size_t forces_unbalanced_grains(const struct packing *packing, const struct forces *forces, double share);
 
 #endif

@@ -87,14 +87,32 @@ static void add_contact(const struct packing *packing, const struct contact_law 
         network->contact[network->count++] = contact;
 }
 
-/* Masses as in the file; without them proportional to the square of the radius. */
-static void fill_masses(const struct packing *packing, double wall_mass, struct network *network)
+/* 1: masses and moments of inertia are known; 0: of no moving grain; -1: of some only. */
+static int masses_known(const struct packing *packing, const struct network *network)
+{
+    const struct grains *g = &packing->grains;
+    size_t moving = 0, known = 0, bad = 0;
+    for (size_t k = 0; k < network->grains; k++) {
+        if (network->grain_dof[k] < 0)
+            continue;
+        double mass = g->mass ? g->mass[k] : NAN, inertia = g->inertia ? g->inertia[k] : NAN;
+        int good = mass > 0 && inertia > 0 && isfinite(mass) && isfinite(inertia);
+        moving++, known += (size_t)good;
+        bad = good ? bad : k;
+    }
+    if (known > 0 && known < moving)
+        return error_input("grain %zu has no mass and moment of inertia above 0, others have: run contacts again", bad);
+    return moving > 0 && known == moving;
+}
+
+/* Masses as in the file; where no grain has one, proportional to the square of the radius. */
+static int fill_masses(const struct packing *packing, double wall_mass, struct network *network)
 {
     const struct grains *g = &packing->grains;
     double mean = 0;
-    int known = g->mass && g->inertia;
-    for (size_t k = 0; k < network->grains && known; k++)
-        known = network->grain_dof[k] < 0 || (g->mass[k] > 0 && g->inertia[k] > 0);
+    int known = masses_known(packing, network);
+    if (known < 0)
+        return -1;
     for (size_t k = 0; k < network->grains; k++)
         if (network->grain_dof[k] >= 0)
             mean += known ? g->mass[k] : g->radius[k] * g->radius[k];
@@ -114,6 +132,7 @@ static void fill_masses(const struct packing *packing, double wall_mass, struct 
     for (size_t w = 0; w < network->walls; w++)
         if (network->wall_dof[w] >= 0)
             network->inverse_mass[network->wall_dof[w]] = 1 / wall_mass;
+    return 0;
 }
 
 static int network_alloc(const struct packing *packing, struct network *network)
@@ -156,8 +175,7 @@ static int fill(const struct packing *packing, const struct contact_law *law, co
     network->virial /= network->force * network->radius;
     network_load_misfit(packing, network->misfit);
     network_loads(packing, network);
-    fill_masses(packing, options->wall_mass, network);
-    return 0;
+    return fill_masses(packing, options->wall_mass, network);
 }
 
 int network_build(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
@@ -224,8 +242,11 @@ double network_mean_force(const struct network *network, const double *f)
 double network_judge(const struct network *network, const double *f, double *work)
 {
     double largest = 0;
+    int known = 1;
     network_unbalance(network, f, work);
-    for (size_t d = 0; d < network->dofs; d++)
+    for (size_t d = 0; d < network->dofs; d++) {
         largest = fmax(largest, fabs(work[d]));
-    return largest / network_mean_force(network, f);
+        known &= !isnan(work[d]);
+    }
+    return known ? largest / network_mean_force(network, f) : NAN;
 }

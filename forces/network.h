@@ -57,7 +57,7 @@ void network_motion(const struct network *network, const double *motion, double 
 /* Mean of the positive fn; 1 (the estimate from the loads) when there is none. */
 double network_mean_force(const struct network *network, const double *f);
 /* The judge, the same for every method: largest unbalanced component over <fn>, f being admissible. `work` holds one
- * number per degree of freedom and returns what is out of balance. */
+ * number per degree of freedom and returns what is out of balance. NaN when a force is: nobody knows the balance. */
 double network_judge(const struct network *network, const double *f, double *work);
 
 #endif

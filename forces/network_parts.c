@@ -5,6 +5,8 @@
 
 #include "pipeline/error.h"
 
+#define FARTHEST 1e9 /* m: no packing is larger, and squares of squares stay numbers */
+
 int network_offers(const struct packing *packing, const struct network_options *options, size_t c)
 {
     uint32_t flags = packing->contacts.flags ? packing->contacts.flags[c] : 0;
@@ -14,6 +16,27 @@ int network_offers(const struct packing *packing, const struct network_options *
 int network_fixes(const struct packing *packing, size_t k)
 {
     return packing->grains.flags && (packing->grains.flags[k] & GRAIN_FIXED);
+}
+
+/* A grain that pushes has numbers, whatever its flags say. */
+static int grain_counts(const struct grains *g, size_t k)
+{
+    return fabs(g->x[k]) < FARTHEST && fabs(g->y[k]) < FARTHEST && g->radius[k] > 0 && g->radius[k] < FARTHEST &&
+           isfinite(column_or_zero(g->load_x, k)) && isfinite(column_or_zero(g->load_y, k)) &&
+           isfinite(column_or_zero(g->load_m, k));
+}
+
+/* ... and so have the grains at a contact. */
+static int check_ends(const struct packing *packing, size_t c)
+{
+    const struct contacts *contacts = &packing->contacts;
+    const int64_t ends[2] = {contacts->i[c], contacts->j[c]};
+    for (int e = 0; e < 2; e++)
+        if (ends[e] < (int64_t)packing->grains.count && !grain_counts(&packing->grains, (size_t)ends[e]))
+            return error_input("contact %zu is one of grain %lld, whose place, radius or load is no number that can "
+                               "be: run contacts again, or flag the contact",
+                               c, (long long)ends[e]);
+    return 0;
 }
 
 static int check_contacts(const struct packing *packing, const struct network_options *options)
@@ -28,9 +51,11 @@ static int check_contacts(const struct packing *packing, const struct network_op
                                k, (long long)c->i[k], (long long)c->j[k]);
         if (!isfinite(c->nx[k]) || !isfinite(c->ny[k]) || fabs(hypot(c->nx[k], c->ny[k]) - 1) > 1e-6)
             return error_input("contact %zu has no unit normal: run contacts again, or flag the row", k);
-        if (!isfinite(c->x[k]) || !isfinite(c->y[k]))
+        if (!(fabs(c->x[k]) < FARTHEST && fabs(c->y[k]) < FARTHEST))
             return error_input(
                 "contact %zu has a contact point that is not finite: run contacts again, or flag the row", k);
+        if (check_ends(packing, k))
+            return -1;
     }
     return 0;
 }
@@ -41,11 +66,11 @@ static int check_grains(const struct packing *packing)
     for (size_t k = 0; k < g->count; k++) {
         if (g->flags && (g->flags[k] & GRAIN_DISTRUST))
             continue; /* its contacts are flagged, or were made of numbers that are finite */
-        if (!isfinite(g->x[k]) || !isfinite(g->y[k]) || !isfinite(g->radius[k]) || !(g->radius[k] > 0))
-            return error_input("grain %zu has no finite place or radius: run contacts again, or flag the row", k);
         if (!isfinite(column_or_zero(g->load_x, k)) || !isfinite(column_or_zero(g->load_y, k)) ||
             !isfinite(column_or_zero(g->load_m, k)))
             return error_input("grain %zu has a load that is not finite: give its density, or leave gravity out", k);
+        if (!grain_counts(g, k))
+            return error_input("grain %zu has no finite place or radius: run contacts again, or flag the row", k);
     }
     return 0;
 }
@@ -53,8 +78,8 @@ static int check_grains(const struct packing *packing)
 static int check_walls(const struct walls *walls)
 {
     for (size_t w = 0; w < walls->count; w++)
-        if (!isfinite(walls->x0[w]) || !isfinite(walls->y0[w]) || !isfinite(walls->radius[w]) ||
-            (!wall_is_disc(walls, w) && (!isfinite(walls->x1[w]) || !isfinite(walls->y1[w]))))
+        if (!(fabs(walls->x0[w]) < FARTHEST && fabs(walls->y0[w]) < FARTHEST && fabs(walls->radius[w]) < FARTHEST) ||
+            (!wall_is_disc(walls, w) && !(fabs(walls->x1[w]) < FARTHEST && fabs(walls->y1[w]) < FARTHEST)))
             return error_input("wall %zu has no finite place or radius: run contacts again", w);
     return 0;
 }

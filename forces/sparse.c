@@ -152,6 +152,9 @@ static int analyse(struct sparse *sparse)
     common->supernodal = CHOLMOD_SUPERNODAL;
     common->print = 0;
     cholmod_factor *symbolic = cholmod_analyze(sparse->matrix, common);
+    if (!symbolic && common->status == CHOLMOD_TOO_LARGE)
+        return error_input("%zu equations: the factor of their matrix exceeds the integers of CHOLMOD: cut the packing",
+                           unknowns);
     if (!symbolic)
         return error_memory("matrix factor");
     const struct supernodes supernodes = {.unknowns = unknowns,
@@ -248,8 +251,7 @@ int sparse_factorise(struct sparse *sparse)
     sparse->shifted = 1;
     if (!supernodal_factorise(sparse->factor, values, SPARSE_SHIFT * (largest > 0 ? largest : 1), 1))
         return 1;
-    return error_set(EXIT_FAILED, "the stiffness matrix cannot be factorised: look for numbers that are not finite"),
-           -1;
+    return error_input("the stiffness matrix cannot be factorised: look for absurd numbers in the file");
 }
 
 int sparse_factorise_indefinite(struct sparse *sparse)
@@ -257,7 +259,7 @@ int sparse_factorise_indefinite(struct sparse *sparse)
     sparse->shifted = 0;
     if (sparse->matrix->nrow == 0 || !supernodal_factorise(sparse->factor, sparse->matrix->x, 0, 0))
         return 0;
-    return error_set(EXIT_FAILED, "the matrix of the joint problem cannot be factorised"), -1;
+    return error_input("the matrix of the joint problem cannot be factorised: look for absurd numbers in the files");
 }
 
 int sparse_solve(struct sparse *sparse, const double *right, double *solution)

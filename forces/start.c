@@ -111,11 +111,26 @@ static int from_previous(const struct packing *packing, const struct network *ne
         return -1;
     for (size_t c = 0; c < network->count; c++) {
         long row = match[network->contact[c].row];
-        double fn = row >= 0 ? forces->contact.fn[row] : 0, ft = row >= 0 ? forces->contact.ft[row] : 0;
-        f[2 * c] = isfinite(fn) ? fn / network->force : 0;
-        f[2 * c + 1] = isfinite(ft) ? ft / network->force : 0;
+        f[2 * c] = row >= 0 ? forces->contact.fn[row] / network->force : 0;
+        f[2 * c + 1] = row >= 0 ? forces->contact.ft[row] / network->force : 0;
     }
     free(match);
+    return 0;
+}
+
+/* An iteration may begin anywhere: a force that is not known begins at 0; but it cannot be held. */
+static int fill_unknown(const struct network *network, const struct force_options *options, double *f)
+{
+    for (size_t c = 0; c < network->count; c++) {
+        if (isfinite(f[2 * c]) && isfinite(f[2 * c + 1]))
+            continue;
+        if (options->fix != FIX_NONE)
+            return error_input("contact %zu has no finite force in the start that could be held: leave --fix out, or "
+                               "start from other forces",
+                               network->contact[c].row);
+        for (size_t part = 2 * c; part < 2 * c + 2; part++)
+            f[part] = isfinite(f[part]) ? f[part] : 0;
+    }
     return 0;
 }
 
@@ -124,29 +139,74 @@ static double motion(const double *column, size_t row)
     return column ? column[row] : NAN;
 }
 
+/* Where no contact of the previous state has a motion, the forces would be those of that state. */
+static int check_motions(const struct packing *packing, const struct network *network, const long *match)
+{
+    size_t old = 0;
+    for (size_t c = 0; c < network->count; c++) {
+        size_t row = network->contact[c].row;
+        if (isfinite(motion(packing->contacts.dun, row)))
+            return 0;
+        old += match[row] >= 0;
+    }
+    return old ? error_input("no contact has a motion since the previous state: run contacts with --previous") : 0;
+}
+
+/* Add what contact c has moved, in working units. A contact that was not there before begins with what is known of
+ * its motion; one that was has no force that could be told when its motion is not known (NaN). */
+static void advance(const struct packing *packing, const struct network *network, const struct force_options *options,
+                    size_t c, int is_old, double *f)
+{
+    size_t row = network->contact[c].row;
+    double fn = f[2 * c] * network->force, ft = f[2 * c + 1] * network->force;
+    double dun = options->previous ? motion(packing->contacts.dun, row) : 0;
+    double dut = motion(options->previous ? packing->contacts.dut : packing->contacts.ut, row);
+    int known_n = isfinite(dun) && isfinite(fn), known_t = isfinite(dut) && isfinite(ft);
+    ft = isfinite(ft) ? ft : 0;
+    struct contact_pair pair = elastic_pair(packing, &options->law, row);
+    elastic_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || is_old) ? dun : 0,
+                    known_n && known_t ? dut : 0, &fn, &ft);
+    if (is_old && !known_n)
+        fn = ft = NAN;
+    else if (is_old && !known_t && fn > 0)
+        ft = NAN;
+    f[2 * c] = fn / network->force;
+    f[2 * c + 1] = ft / network->force;
+}
+
+static int advance_all(const struct packing *packing, const struct network *network,
+                       const struct force_options *options, double *f)
+{
+    long *match = options->previous ? match_contacts(&packing->contacts, &options->previous->contacts) : NULL;
+    int status = !options->previous ? 0 : match ? check_motions(packing, network, match) : -1;
+    for (size_t c = 0; c < network->count && !status; c++)
+        advance(packing, network, options, c, match && match[network->contact[c].row] >= 0, f);
+    free(match);
+    return status;
+}
+
 int cem_forces(const struct packing *packing, const struct network *network, const struct force_options *options,
                double *f)
 {
-    const struct contacts *contacts = &packing->contacts;
-    struct contact_law law = options->law;
-    if (!elastic_known(&law))
+    if (!elastic_known(&options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
     if (options->previous ? from_previous(packing, network, options->previous, METHOD_CEM, f)
                           : from_overlap(packing, network, options, f))
         return -1;
-    for (size_t c = 0; c < network->count; c++) {
-        size_t row = network->contact[c].row;
-        double fn = f[2 * c] * network->force, ft = f[2 * c + 1] * network->force;
-        double dun = options->previous ? motion(contacts->dun, row) : 0;
-        double dut = options->previous ? motion(contacts->dut, row) : motion(contacts->ut, row);
-        if (!isfinite(dun) || !isfinite(dut)) /* a new contact: its first increment is not known */
-            dun = dut = 0;
-        struct contact_pair pair = elastic_pair(packing, &law, row);
-        elastic_advance(&law, &pair, network->contact[c].mu, dun, dut, &fn, &ft);
-        f[2 * c] = fn / network->force;
-        f[2 * c + 1] = ft / network->force;
-    }
-    return 0;
+    return advance_all(packing, network, options, f);
+}
+
+static int start_from_cem(const struct packing *packing, const struct network *network,
+                          const struct force_options *options, double *f)
+{
+    return cem_forces(packing, network, options, f) || fill_unknown(network, options, f) ? -1 : 0;
+}
+
+static int start_from_state(const struct packing *packing, const struct network *network,
+                            const struct packing *previous, const struct force_options *options,
+                            enum force_method method, double *f)
+{
+    return from_previous(packing, network, previous, method, f) || fill_unknown(network, options, f) ? -1 : 0;
 }
 
 int start_forces(const struct packing *packing, const struct network *network, const struct force_options *options,
@@ -166,11 +226,11 @@ int start_forces(const struct packing *packing, const struct network *network, c
     case START_OVERLAP:
         return from_overlap(packing, network, options, f);
     case START_CEM:
-        return cem_forces(packing, network, options, f);
+        return start_from_cem(packing, network, options, f);
     case START_PREVIOUS:
-        return from_previous(packing, network, options->previous, method, f);
+        return start_from_state(packing, network, options->previous, options, method, f);
     case START_FILE:
-        return from_previous(packing, network, options->from, method, f);
+        return start_from_state(packing, network, options->from, options, method, f);
     }
     return error_input("unknown start");
 }

@@ -72,6 +72,11 @@ static int check_grains(const char *path, const struct grains *grains)
             return error_input("%s: grain %zu has no finite centre and positive radius, and no flag says so: make the "
                                "file again",
                                path, k);
+    for (size_t k = 0; k < grains->count; k++) /* NaN: not known */
+        if (grains->mass[k] < 0 || isinf(grains->mass[k]) || grains->inertia[k] < 0 || isinf(grains->inertia[k]))
+            return error_input("%s: grain %zu has a mass of %g kg and a moment of inertia of %g kg m2: make the file "
+                               "again",
+                               path, k, grains->mass[k], grains->inertia[k]);
     return 0;
 }
 
@@ -96,13 +101,25 @@ static int check_contacts(const char *path, const struct packing *packing)
     return 0;
 }
 
-static int read_walls(const struct state *state, struct walls *walls)
+/* NaN is not known; a wall a million km away, or of that radius, is none: who draws it would not come to an end. */
+static int check_walls(const char *path, const struct walls *walls)
+{
+    const double *const columns[] = {walls->x0, walls->y0, walls->x1, walls->y1, walls->radius};
+    for (size_t w = 0; w < walls->count; w++)
+        for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+            if (fabs(columns[c][w]) >= 1e9)
+                return error_input("%s: wall %zu lies at or has a radius of %g m: make the file again", path, w,
+                                   columns[c][w]);
+    return 0;
+}
+
+static int read_walls(const struct state *state, const char *path, struct walls *walls)
 {
     static const char *const required[] = {"name", "x0", "y0", "x1", "y1", "radius", NULL};
     if (state_has(state, "walls") == 0)
         return 0;
-    return state_read(state, "walls", &WALLS, required, walls) || table_add(&WALLS, walls, "fx") ||
-                   table_add(&WALLS, walls, "fy") || table_add(&WALLS, walls, "flags")
+    return state_read(state, "walls", &WALLS, required, walls) || check_walls(path, walls) ||
+                   table_add(&WALLS, walls, "fx") || table_add(&WALLS, walls, "fy") || table_add(&WALLS, walls, "flags")
                ? -1
                : 0;
 }
@@ -113,7 +130,7 @@ static int read_tables(const struct state *state, const char *path, struct packi
     static const char *const of_contacts[] = {"i", "j", "nx", "ny", "x", "y", "overlap", "flags", NULL};
     return state_read_info(state, &packing->info) ||
                    state_read(state, "grains", &GRAINS, of_grains, &packing->grains) ||
-                   read_walls(state, &packing->walls) ||
+                   read_walls(state, path, &packing->walls) ||
                    state_read(state, "contacts", &CONTACTS, of_contacts, &packing->contacts) ||
                    check_grains(path, &packing->grains) || check_contacts(path, packing)
                ? -1
@@ -150,6 +167,22 @@ static int read_attributes(const struct state *state, const char *group, struct 
     return 0;
 }
 
+/* What a method says of grains has a row for each, or none. */
+static int check_rows_of_grains(const char *path, const char *group, const struct packing *packing,
+                                const struct forces *forces)
+{
+    const struct {
+        const char *what;
+        size_t count;
+    } tables[] = {
+        {"residuals", forces->residual.count}, {"rays", forces->ray.count}, {"motions", forces->softest.count}};
+    for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
+        if (tables[k].count && tables[k].count != packing->grains.count)
+            return error_input("%s: /%s has %zu %s for %zu grains: make the file again", path, group, tables[k].count,
+                               tables[k].what, packing->grains.count);
+    return 0;
+}
+
 static int read_method(const struct state *state, const char *path, const char *method, const struct packing *packing,
                        struct forces *forces)
 {
@@ -167,10 +200,7 @@ static int read_method(const struct state *state, const char *path, const char *
     if (forces->contact.count != packing->contacts.count)
         return error_input("%s: /%s has %zu forces for %zu contacts: make the file again", path, group,
                            forces->contact.count, packing->contacts.count);
-    if (forces->residual.count && forces->residual.count != packing->grains.count)
-        return error_input("%s: /%s has %zu residuals for %zu grains: make the file again", path, group,
-                           forces->residual.count, packing->grains.count);
-    return 0;
+    return check_rows_of_grains(path, group, packing, forces);
 }
 
 static int read_forces(const struct state *state, const char *path, struct packing *packing)

@@ -11,6 +11,7 @@
 #include "pipeline/pattern.h"
 
 enum { MAX_SIDE_PX = 1000000, MAX_INDEX = 999999999 };
+#define LEAST_SCALE 1e-12 /* m per px: finer than any microscope, and a million pixels are still some metres apart */
 
 static const cJSON *item_of(const cJSON *object, const char *key)
 {
@@ -130,7 +131,7 @@ int scene_read_root(struct scene *scene)
 {
     const struct json *json = scene->json;
     const cJSON *root = json_root(json);
-    if (read_name(scene) || json_number(json, root, "scale_m_per_px", DBL_MIN, 1, &scene->scale) < 0 ||
+    if (read_name(scene) || json_number(json, root, "scale_m_per_px", LEAST_SCALE, 1, &scene->scale) < 0 ||
         read_vec(json, root, "origin_px", 1e9, &scene->origin_px) < 0 ||
         read_vec(json, root, "gravity_m_per_s2", 1e6, &scene->gravity) < 0 || read_path(scene, "lens", &scene->lens) ||
         read_path(scene, "loads", &scene->loads))
@@ -372,9 +373,9 @@ int scene_read_grains(struct scene *scene)
         if (range < 0 || json_number(json, object, "density_kg_m3", DBL_MIN, 1e6, &grains->density) < 0 ||
             json_number(json, object, "length_m", DBL_MIN, 1e3, &grains->length) < 0)
             return -1;
-        if (range && (!(radius[0] > 0) || !(radius[0] <= radius[1]) || radius[1] > MAX_SIDE_PX))
+        if (range && (!(radius[0] >= 1) || !(radius[0] <= radius[1]) || radius[1] > MAX_SIDE_PX))
             return json_error(json, item_of(object, "radius_px"),
-                              "'radius_px' is no range: give [smallest, largest] in px, above 0");
+                              "'radius_px' is no range: give [smallest, largest] in px, 1 or more");
         if (range) {
             grains->radius_min_px = radius[0];
             grains->radius_max_px = radius[1];

@@ -175,7 +175,9 @@ static int put_data(struct state_writer *writer, const struct packing *packing, 
         const struct forces *forces = &packing->forces[f];
         char group[64], prefix[32];
         snprintf(group, sizeof group, "forces/%.*s", NAME_LENGTH, forces->method);
-        snprintf(prefix, sizeof prefix, "%.*s_", NAME_LENGTH, forces->method);
+        /* Two lines, so that method x, column s_fn and method x_s, column fn do not meet. */
+        snprintf(prefix, sizeof prefix, "%.*s%s", NAME_LENGTH, forces->method,
+                 memchr(forces->method, '_', strnlen(forces->method, NAME_LENGTH)) ? "__" : "_");
         result = link_cells(writer, group, prefix, &CONTACT_FORCES, &forces->contact);
         if (!result && forces->residual.count == packing->grains.count)
             result = put_points(writer, group, prefix, &RESIDUALS, &forces->residual, points);

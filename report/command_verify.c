@@ -44,8 +44,8 @@ static int run(const struct options *options)
     if (result == 0)
         result = verify_files(&scene, options->files.paths, options->files.count, stdout, &found);
     if (result == 0 && found.wrong)
-        result = error_input("%zu of %zu inputs of %zu files are not as recorded: make the files named above again",
-                             found.wrong, found.inputs, found.files);
+        result = error_input("%zu differences in %zu files of %zu inputs: make the files named above again",
+                             found.wrong, found.files, found.inputs);
     else if (result == 0 && !options->cli.quiet)
         printf("%zu files, %zu inputs: all as recorded\n", found.files, found.inputs);
     scene_free(&scene);

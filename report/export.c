@@ -3,6 +3,7 @@
 #include <ctype.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/error.h"
@@ -115,22 +116,25 @@ static void put_sheets(const struct sheet *sheets, size_t count, FILE *stream)
 
 int export_csv(const struct loaded *loaded, const char *table, FILE *stream)
 {
-    enum { MOST = 16 };
-    struct sheet sheets[MOST] = {{&PHOTO_GRAINS, &loaded->grains, ""}};
     const struct packing *packing = &loaded->packing;
+    struct sheet *sheets;
     size_t count = 1;
     if (!loaded->is_si && strcmp(table, "grains"))
         return error_input("%s: is a photo-side file without a table '%s': export grains", loaded->path, table);
+    if (!(sheets = malloc((1 + packing->force_count) * sizeof *sheets)))
+        return error_memory("an export");
+    sheets[0] = (struct sheet){&PHOTO_GRAINS, &loaded->grains, ""};
     if (loaded->is_si && !strcmp(table, "grains"))
         sheets[0] = (struct sheet){&GRAINS, &packing->grains, ""};
     if (!strcmp(table, "walls"))
         sheets[0] = (struct sheet){&WALLS, &packing->walls, ""};
     if (!strcmp(table, "contacts")) {
         sheets[0] = (struct sheet){&CONTACTS, &packing->contacts, ""};
-        for (size_t f = 0; f < packing->force_count && count < MOST; f++)
+        for (size_t f = 0; f < packing->force_count; f++)
             sheets[count++] = (struct sheet){&CONTACT_FORCES, &packing->forces[f].contact, packing->forces[f].method};
     }
     put_sheets(sheets, count, stream);
+    free(sheets);
     return 0;
 }
 
@@ -182,19 +186,18 @@ int export_conf(const struct loaded *loaded, FILE *stream)
     fprintf(stream, "%zu\n", grains->count);
     for (size_t k = 0; k < grains->count; k++)
         fprintf(stream, "%.15e %.15e %.15e %.15e 1 1\n", grains->x[k], grains->y[k], grains->radius[k],
-                grains->angle ? grains->angle[k] : 0);
+                value(grains->angle, k));
     fputs("#CORNERS\n", stream);
     for (int c = 0; c < 4; c++) {
         struct vec at = corner(&loaded->packing.walls, corners[c][0], corners[c][1]);
         fprintf(stream, "%.15e %.15e\n", at.x, at.y);
     }
     /* Gradient and strain count extension as positive there, the state file counts compression. */
-    double g[3];
-    for (int c = 0; c < 3; c++)
-        g[c] = isnan(strain[c]) ? 0 : -strain[c];
+    double xx = -strain[0], yy = -strain[1], xy = -strain[2];
+    const double numbers[] = {xx, yy, xy, xx, yy, 0.5 * xy, -0.5 * xy, xx + yy};
     fputs("#STRAINS Gxx Gyy Gxy Gyx Exx Eyy Exy Erot Evol\n", stream);
-    fprintf(stream, "%.15e %.15e %.15e 0 %.15e %.15e %.15e %.15e %.15e\n", g[0], g[1], g[2], g[0], g[1], 0.5 * g[2],
-            -0.5 * g[2], g[0] + g[1]);
+    for (int c = 0; c < 8; c++) /* never "-nan" */
+        fprintf(stream, "%.15e%s", isnan(numbers[c]) ? NAN : numbers[c], c == 2 ? " 0 " : c < 7 ? " " : "\n");
     fputs("#SCALE\n1\n", stream);
     return 0;
 }

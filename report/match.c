@@ -25,9 +25,12 @@ struct pairs {
     size_t count, capacity;
 };
 
+/* Further out no differences could be told from infinity. */
+#define FARTHEST 1e150
+
 static int is_placed(const struct match_points *p, size_t k)
 {
-    return isfinite(p->x[k]) && isfinite(p->y[k]);
+    return fabs(p->x[k]) < FARTHEST && fabs(p->y[k]) < FARTHEST; /* NaN is not */
 }
 
 static void grid_free(struct grid *grid)

@@ -6,7 +6,7 @@
 
 struct match_points {
     size_t count;
-    const double *x, *y; /* rows that are not finite match nothing */
+    const double *x, *y; /* rows that are not finite, or beyond 1e150, match nothing */
 };
 
 /* Pairs closer than half the radius of the grain of b, the nearest pair first, every grain in at most one pair.

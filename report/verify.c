@@ -35,8 +35,13 @@ static const char *digest_of(struct verify *verify, const char *path)
         (void)error_memory("the list of hashes");
         return NULL;
     }
-    last = &known[verify->known_count++];
-    return file_sha256(path, last->digest) ? NULL : last->digest;
+    last = &known[verify->known_count];
+    if (file_sha256(path, last->digest)) {
+        free(last->path);
+        return NULL;
+    }
+    verify->known_count++;
+    return last->digest;
 }
 
 /* ---- where an input lies ---- */
@@ -96,46 +101,64 @@ static int verify_input(struct verify *verify, const char *path, const char *nam
     else if (digest && strcmp(digest, recorded))
         complain(verify, path, name, "is not what the file was made from");
     free(input);
-    return digest ? 0 : -1;
+    return digest ? 0 : error_context("%s", path);
+}
+
+/* Files record bare names. A stranger's file leads nowhere else, and writes nothing but letters on the terminal. */
+static int is_file_name(const char *name)
+{
+    for (const unsigned char *c = (const unsigned char *)name; *c; c++)
+        if (*c == '/' || *c < 0x20 || *c == 0x7f || (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0))
+            return 0;
+    return *name && strcmp(name, ".") && strcmp(name, "..");
+}
+
+static int verify_item(struct verify *verify, const char *path, const struct json *json, const cJSON *input)
+{
+    const char *name = NULL, *part = NULL, *recorded = NULL;
+    verify->count.inputs++;
+    if (!cJSON_IsObject(input) || json_string(json, input, "name", &name) != 1 ||
+        json_string(json, input, "sha256", &recorded) != 1 || !is_file_name(name))
+        return error_input("%s: its list of inputs is not readable: make the file again", path);
+    return json_string(json, input, "part", &part) == 1 ? verify_part(verify, path, name, part, recorded)
+                                                        : verify_input(verify, path, name, recorded);
 }
 
 static int verify_inputs(struct verify *verify, const char *path, const struct state_info *info)
 {
-    struct json *json = json_parse(info->inputs, strlen(info->inputs), path);
-    const cJSON *input;
-    int result = json ? 0 : -1;
-    if (json)
-        cJSON_ArrayForEach(input, json_root(json))
-        {
-            const char *name = NULL, *part = NULL, *recorded = NULL;
-            if (result)
-                break;
-            verify->count.inputs++;
-            if (json_string(json, input, "name", &name) != 1 || json_string(json, input, "sha256", &recorded) != 1)
-                result = error_input("%s: its list of inputs is not readable: make the file again", path);
-            else if (json_string(json, input, "part", &part) == 1)
-                result = verify_part(verify, path, name, part, recorded);
-            else
-                result = verify_input(verify, path, name, recorded);
-        }
+    struct json *json = info->inputs ? json_parse(info->inputs, strlen(info->inputs), path) : NULL;
+    const cJSON *list = json ? json_root(json) : NULL;
+    int result = 0;
+    if (info->inputs && !json)
+        return -1;
+    if (!cJSON_IsArray(list) || !list->child)
+        result = error_input("%s: records no inputs: make the file again", path);
+    for (const cJSON *input = result ? NULL : list->child; input && !result; input = input->next)
+        result = verify_item(verify, path, json, input);
     json_free(json);
     return result;
+}
+
+/* What is wrong with one file is a line of the report; the others are verified all the same. */
+static int report_wrong(struct verify *verify)
+{
+    if (error_status() != EXIT_INPUT)
+        return -1;
+    fprintf(verify->stream, "%s\n", error_message());
+    verify->count.wrong++;
+    error_clear();
+    return 0;
 }
 
 static int verify_file(struct verify *verify, const char *path)
 {
     struct loaded loaded;
     verify->count.files++;
-    if (loaded_read(path, &loaded)) {
-        fprintf(verify->stream, "%s\n", error_message());
-        verify->count.wrong++;
-        error_clear();
-        return 0;
-    }
-    const struct state_info *info = loaded_info(&loaded);
-    int result = info->inputs ? verify_inputs(verify, path, info) : 0;
+    if (loaded_read(path, &loaded))
+        return report_wrong(verify);
+    int result = verify_inputs(verify, path, loaded_info(&loaded));
     loaded_free(&loaded);
-    return result;
+    return result ? report_wrong(verify) : 0;
 }
 
 int verify_files(const struct scene *scene, char *const paths[], size_t count, FILE *stream, struct verify_count *found)

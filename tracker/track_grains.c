@@ -10,7 +10,33 @@
 #include "tracker/follow.h"
 #include "tracker/tracks.h"
 
-/* The motion at the photo before, with its increment once more. */
+/* Can a subset be there? The limit is that of the reference's grains (reference.c); a turn beyond it has no digits. */
+static int within_reach(const struct target *target, const struct motion *motion)
+{
+    const double far = 1e6; /* px; rad */
+    return fabs(target->shape.cx + motion->u) < far && fabs(target->shape.cy + motion->v) < far &&
+           fabs(motion->angle) < far; /* NaN is not */
+}
+
+/* The motion of grain k at the photo before, with its increment once more where that is known; 0: not known. */
+static int motion_before(const struct photo_grains *previous, const struct target *target, size_t k,
+                         struct motion *motion)
+{
+    *motion = (struct motion){previous->x_seen_px[k] - target->shape.cx, previous->y_seen_px[k] - target->shape.cy,
+                              previous->angle_seen[k]};
+    if (!target->given || !within_reach(target, motion))
+        return 0;
+    if (previous->dx_px && previous->dy_px && previous->dangle) {
+        struct motion next = {motion->u + previous->dx_px[k], motion->v + previous->dy_px[k],
+                              motion->angle + previous->dangle[k]};
+        if (within_reach(target, &next))
+            *motion = next;
+    }
+    return 1;
+}
+
+/* Where every target is looked for first: patches and, without a photo before, grains where they are in the
+ * reference. */
 static void expect(struct follow *follow, const struct photo_grains *previous)
 {
     const struct tracker *tracker = follow->tracker;
@@ -19,18 +45,11 @@ static void expect(struct follow *follow, const struct photo_grains *previous)
     if (!previous || !previous->x_seen_px || !previous->y_seen_px || !previous->angle_seen)
         return;
     for (size_t k = 0; k < tracker->grains->count; k++) {
-        struct motion *motion = &follow->expected[tracker->patch_count + k];
-        if (!isfinite(previous->x_seen_px[k])) {
-            follow->has_expected[tracker->patch_count + k] = 0;
-            continue;
-        }
-        *motion = (struct motion){previous->x_seen_px[k] - tracker->grains->x_px[k],
-                                  previous->y_seen_px[k] - tracker->grains->y_px[k], previous->angle_seen[k]};
-        if (previous->dx_px && isfinite(previous->dx_px[k])) {
-            motion->u += previous->dx_px[k];
-            motion->v += previous->dy_px[k];
-            motion->angle += previous->dangle[k];
-        }
+        size_t at = tracker->patch_count + k;
+        struct motion motion;
+        follow->has_expected[at] = motion_before(previous, &tracker->targets[at], k, &motion);
+        if (follow->has_expected[at])
+            follow->expected[at] = motion;
     }
 }
 

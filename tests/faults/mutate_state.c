@@ -84,13 +84,57 @@ enum {
     NEGATIVE,
     ZEROS,
     FAR,
+    ONE_NAN,
+    ONE_INFINITE,
+    ONE_LARGE,
+    ONE_SMALL,
+    ONE_WIDE,
+    TWO_APART,
     FAULTS
 };
-static const char *const faults[FAULTS] = {"of texts",        "of float32",   "of int8",        "of rank 2",
-                                           "a scalar",        "one row more", "one row less",   "empty",
-                                           "2^40 rows",       "absent",       "a cyclic link",  "an external link",
-                                           "a dangling link", "a group",      "NaN everywhere", "1e308 everywhere",
-                                           "-1e9 throughout", "0 everywhere", "9e5 everywhere"};
+static const char *const faults[FAULTS] = {"of texts",
+                                           "of float32",
+                                           "of int8",
+                                           "of rank 2",
+                                           "a scalar",
+                                           "one row more",
+                                           "one row less",
+                                           "empty",
+                                           "2^40 rows",
+                                           "absent",
+                                           "a cyclic link",
+                                           "an external link",
+                                           "a dangling link",
+                                           "a group",
+                                           "NaN everywhere",
+                                           "1e308 everywhere",
+                                           "-1e9 throughout",
+                                           "0 everywhere",
+                                           "9e5 everywhere",
+                                           "NaN in one row",
+                                           "inf in one row",
+                                           "1e300 in one row",
+                                           "-1e300 in one row",
+                                           "3e7 in one row",
+                                           "1.5e308 and -1.5e308 in two rows"};
+
+/* The others stay: one bad number among good ones is what a stranger's file looks like. */
+static int fill_some(hid_t file, const char *name, int fault)
+{
+    static const double value[] = {0.0 / 0.0, 1 / 0.0, 1e300, -1e300, 3e7, 1.5e308};
+    hid_t data = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(data);
+    hssize_t rows = H5Sget_simple_extent_npoints(space);
+    double *values = calloc((size_t)(rows + 1), sizeof *values);
+    if (H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0 && rows > 0) {
+        values[rows / 2] = value[fault - ONE_NAN];
+        if (fault == TWO_APART)
+            values[0] = -value[fault - ONE_NAN];
+        H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    }
+    free(values);
+    H5Sclose(space), H5Dclose(data);
+    return 0;
+}
 
 /* Something else than a dataset in its place. */
 static int replace_by_link(hid_t file, const char *name, int fault)
@@ -132,6 +176,8 @@ static int replace_by_dataset(hid_t file, const char *name, int fault)
 
 static int spoil(hid_t file, const char *name, int fault)
 {
+    if (fault >= ONE_NAN)
+        return fill_some(file, name, fault);
     if (fault >= NANS)
         return fill(file, name, (const double[]){0.0 / 0.0, 1e308, -1e9, 0, 9e5}[fault - NANS]);
     return fault >= ABSENT ? replace_by_link(file, name, fault) : replace_by_dataset(file, name, fault);

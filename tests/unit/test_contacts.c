@@ -288,6 +288,28 @@ static void test_identical_centres_are_refused(void **state)
     setup_free(&s);
 }
 
+/* A standard error or a shape that is no number does not make a grain exact, or a circle. */
+static void test_missing_errors_are_flagged(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        struct setup s = setup_new(4);
+        for (size_t g = 0; g < 4; g++)
+            put(&s, g, 39.8 * (double)g, 100, 20);
+        add_column(&s, "s_x", &s.grains.s_x, 0.003);
+        add_column(&s, "s_radius", &s.grains.s_radius, 0.02);
+        add_column(&s, "shape_c", &s.grains.shape_c, 0.01);
+        add_column(&s, "s_shape", &s.grains.s_shape, 0.01);
+        double *const columns[] = {s.grains.s_x, s.grains.s_radius, s.grains.shape_c, s.grains.s_shape};
+        columns[k][1] = k == 3 ? -0.01 : k == 1 ? INFINITY : NAN;
+        check_done(find(&s, NULL, 1));
+        assert_int_equal(s.packing.grains.flags[1], GRAIN_NOT_FINITE);
+        assert_int_equal(s.summary.unusable, 1);
+        assert_int_equal(s.packing.contacts.count, 1); /* of grains 2 and 3 */
+        setup_free(&s);
+    }
+}
+
 static void test_missing_numbers_are_flagged(void **state)
 {
     (void)state;
@@ -769,6 +791,7 @@ int main(void)
         cmocka_unit_test(test_two_walls_and_a_corner_disc),
         cmocka_unit_test(test_ratio_of_twenty),
         cmocka_unit_test(test_identical_centres_are_refused),
+        cmocka_unit_test(test_missing_errors_are_flagged),
         cmocka_unit_test(test_missing_numbers_are_flagged),
         cmocka_unit_test(test_no_scale_is_refused),
         cmocka_unit_test(test_mass_and_weight),

@@ -7,6 +7,7 @@
 #include <hdf5.h>
 
 #include "forces/fclib.h"
+#include "pipeline/error.h"
 #include "tests/unit/discs.h"
 
 static void read_numbers(hid_t file, const char *name, hid_t type, hsize_t expected, void *values)
@@ -123,6 +124,23 @@ static void matrix_by_hand(void **state)
     packing_free(&packing);
 }
 
+/* 50000 contacts of one wall: W would have 10^10 entries, which is said before they are counted. */
+static void wall_of_too_many_contacts(void **state)
+{
+    (void)state;
+    enum { CONTACTS_OF_WALL = 50000 };
+    double load = 1, inverse_mass = 1;
+    struct network network = {.count = CONTACTS_OF_WALL, .dofs = 1, .load = &load, .inverse_mass = &inverse_mass};
+    struct local_problem problem;
+    network.contact = calloc(network.count, sizeof *network.contact);
+    assert_non_null(network.contact);
+    for (size_t c = 0; c < network.count; c++)
+        network.contact[c] = (struct network_contact){.dof = {0, -1, -1, -1, -1, -1}, .n = {1}};
+    assert_int_equal(local_problem_build(&network, &problem), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    free(network.contact);
+}
+
 /* With one loaded wall: a wall is a body that all its contacts share, of wall_mass mean masses. */
 static void wall_joins_its_contacts(void **state)
 {
@@ -156,6 +174,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(matrix_by_hand),
+        cmocka_unit_test(wall_of_too_many_contacts),
         cmocka_unit_test(wall_joins_its_contacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -304,12 +304,25 @@ static void corrections_and_known_grains(void **state)
     assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
 
+    const struct correction absurd[] = {{1e308, 100, 5}, {100, 100, 1e308}, {100, 100, 1e9}, {100, 100, 2000}};
+    for (size_t k = 0; k < sizeof absurd / sizeof *absurd; k++) {
+        items[0] = absurd[k];
+        corrections = (struct corrections){items, 1, 2};
+        assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
+        assert_int_equal(error_status(), EXIT_INPUT);
+    }
+
     options.corrections = NULL;
     for (size_t k = 0; k < count; k++)
         discs[k].x += 0.37;
     hard.scenery.seed += 100;
     check_done(discs_draw(WIDTH, HEIGHT, discs, count, &hard.scenery, &later));
     all.x_px[7] = NAN; /* lost in the later photo */
+    const double absurd_px[] = {1e308, -1e308, 9e5, 1e9};
+    for (size_t k = 0; k < 4; k++) {
+        all.radius_px[8 + k] = fabs(absurd_px[k]);
+        all.x_px[12 + k] = absurd_px[k];
+    }
     /* Its walls have moved: a frame that cuts the grains on the left says nothing about this photo. */
     options.has_frame = 1;
     options.corners_px[0] = vec(150, 0);
@@ -319,12 +332,13 @@ static void corrections_and_known_grains(void **state)
     check_done(find_known_grains(&later, &options, &all, &again, NULL));
     assert_int_equal(again.count, count);
     for (size_t k = 0; k < count; k++)
-        if (k != 7) {
+        if (k < 7 || k > 15) {
             check_near(again.x_px[k], all.x_px[k] + 0.37, 0.3);
             check_near(again.y_px[k], all.y_px[k], 0.3);
             assert_false(again.flags[k] & GRAIN_CUT);
         }
-    assert_true(again.flags[7] & GRAIN_LOST);
+    for (size_t k = 7; k <= 15; k++)
+        assert_true(again.flags[k] & GRAIN_DISTRUST);
     table_free(&PHOTO_GRAINS, &fewer);
     table_free(&PHOTO_GRAINS, &all);
     table_free(&PHOTO_GRAINS, &again);

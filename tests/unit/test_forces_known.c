@@ -305,6 +305,81 @@ static void cem_follows_the_motions(void **state)
     packing_free(&before);
 }
 
+static void three_discs_before(struct packing *before)
+{
+    three_discs(before);
+    before->forces = calloc(1, sizeof *before->forces), before->force_count = 1;
+    check_done(table_alloc(&CONTACT_FORCES, &before->forces->contact, 2, NULL));
+    strcpy(before->forces->method, "cem");
+    before->forces->contact.fn[0] = 100, before->forces->contact.ft[0] = 20;
+    before->forces->contact.fn[1] = 100, before->forces->contact.ft[1] = -20;
+}
+
+/* Contact 0 follows its motion; of contact 1 something is not known: then its force is not either, nor the balance of
+ * the grains there. */
+static void cem_does_not_invent(void **state)
+{
+    (void)state;
+    struct packing packing, before;
+    struct forces forces;
+    struct force_options options = options_with(1e6, 0.5);
+    three_discs(&packing), three_discs_before(&before);
+    check_done(table_add(&CONTACTS, &packing.contacts, "dun"));
+    check_done(table_add(&CONTACTS, &packing.contacts, "dut"));
+    double *const unknown[] = {&packing.contacts.dun[1], &before.forces->contact.fn[1], &packing.contacts.dut[1],
+                               &before.forces->contact.ft[1]};
+    options.previous = &before;
+    for (int k = 0; k < 4; k++) {
+        for (int c = 0; c < 2; c++)
+            packing.contacts.dun[c] = -50e-6, packing.contacts.dut[c] = 10e-6;
+        double known = *unknown[k];
+        *unknown[k] = NAN;
+        check_done(infer_forces(&packing, &options, METHOD_CEM, &forces));
+        check_near(forces.contact.fn[0], 150, 1e-9);
+        check_near(forces.contact.ft[0], 10, 1e-9);
+        assert_int_equal(forces.contact.status[0], STATUS_STICK);
+        if (k < 2)
+            assert_true(isnan(forces.contact.fn[1]));
+        else /* what is tangential says nothing of the normal force */
+            check_near(forces.contact.fn[1], 150, 1e-9);
+        assert_true(isnan(forces.contact.ft[1]));
+        assert_int_equal(forces.contact.status[1], STATUS_NOT_USED);
+        assert_false(forces.converged);
+        assert_true(isnan(forces.imbalance));
+        assert_true(forces_unbalanced_grains(&packing, &forces, 1e9) > 0);
+        forces_free(&forces);
+        *unknown[k] = known;
+    }
+    packing_free(&packing);
+    packing_free(&before);
+}
+
+/* Without any motion the forces would be those of the state before; a start that is not known cannot be held. */
+static void cem_needs_motions(void **state)
+{
+    (void)state;
+    struct packing packing, before;
+    struct forces forces;
+    struct force_options options = options_with(1e6, 0.5);
+    three_discs(&packing), three_discs_before(&before);
+    options.previous = &before;
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(infer_forces(&packing, &options, METHOD_CEM, &forces), -1);
+        assert_int_equal(error_status(), EXIT_INPUT);
+        assert_non_null(strstr(error_message(), "--previous"));
+        check_done(table_add(&CONTACTS, &packing.contacts, "dun")); /* all NaN */
+    }
+    before.forces->contact.ft[1] = NAN;
+    options.start = START_PREVIOUS;
+    check_done(infer_forces(&packing, &options, METHOD_QSM, &forces));
+    forces_free(&forces);
+    options.fix = FIX_NORMAL;
+    assert_int_equal(infer_forces(&packing, &options, METHOD_QSM, &forces), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    packing_free(&packing);
+    packing_free(&before);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +394,8 @@ int main(void)
         cmocka_unit_test(all_four_walls_loaded),
         cmocka_unit_test(corner_disc_acts_in_its_walls),
         cmocka_unit_test(cem_follows_the_motions),
+        cmocka_unit_test(cem_does_not_invent),
+        cmocka_unit_test(cem_needs_motions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

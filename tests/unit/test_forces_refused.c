@@ -102,6 +102,67 @@ static void nan_is_refused(void **state)
                 }
 }
 
+/* Numbers that no packing has: refused as bad input, or borne; never blamed on the machine. */
+static void absurd_numbers_are_bad_input(void **state)
+{
+    (void)state;
+    static const char *const of_grains[] = {"x", "y", "radius", "load_x", "mass", "s_x", NULL};
+    static const char *const of_contacts[] = {"x", "y", "overlap", "s_overlap", NULL};
+    static const char *const of_walls[] = {"x0", "y1", "radius", "fx", "fy", NULL};
+    static const char *const *const columns[] = {of_grains, of_contacts, of_walls};
+    static const struct table_kind *const kinds[] = {&GRAINS, &CONTACTS, &WALLS};
+    static const double absurd[] = {1e300, -1e300, 1e200, 1e100};
+    for (int table = 0; table < 3; table++)
+        for (const char *const *column = columns[table]; *column; column++)
+            for (int method = METHOD_CEM; method <= METHOD_MAP; method++)
+                for (int k = 0; k < 4; k++) {
+                    struct force_options options = usual();
+                    struct packing packing;
+                    struct forces forces;
+                    options.iterations = 20;
+                    copy_packing(&isotropic, &packing);
+                    void *tables[] = {&packing.grains, &packing.contacts, &packing.walls};
+                    spoil(kinds[table], tables[table], *column, 3, absurd[k]);
+                    if (!infer_forces(&packing, &options, (enum force_method)method, &forces))
+                        forces_free(&forces);
+                    else if (error_status() != EXIT_INPUT)
+                        fail_msg("%s %g: %s", *column, absurd[k], error_message());
+                    error_clear();
+                    packing_free(&packing);
+                }
+}
+
+/* One mass among good ones: the others are not thrown away in silence. */
+static void one_bad_mass_is_named(void **state)
+{
+    (void)state;
+    static const double bad[] = {NAN, 0, -1, INFINITY};
+    struct force_options options = usual();
+    for (int k = 0; k < 4; k++) {
+        struct packing packing;
+        copy_packing(&isotropic, &packing);
+        size_t loaded = (size_t)packing.contacts.i[0];
+        packing.grains.mass[loaded] = bad[k];
+        check_refused(&packing, &options, METHOD_CDM, "mass");
+        packing_free(&packing);
+    }
+}
+
+/* A grain without numbers, whose contacts no flag takes out. */
+static void contacts_of_flagged_grains_are_checked(void **state)
+{
+    (void)state;
+    struct force_options options = usual();
+    struct packing packing;
+    copy_packing(&isotropic, &packing);
+    size_t k = (size_t)packing.contacts.i[7];
+    packing.grains.flags[k] |= GRAIN_LOST;
+    packing.grains.x[k] = NAN;
+    for (int method = METHOD_CEM; method <= METHOD_MAP; method++)
+        check_refused(&packing, &options, (enum force_method)method, "contact");
+    packing_free(&packing);
+}
+
 /* The same row, flagged: it is left out, and the others are still told. */
 static void flagged_rows_are_left_out(void **state)
 {
@@ -165,6 +226,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(missing_numbers_are_named),
         cmocka_unit_test(nan_is_refused),
+        cmocka_unit_test(absurd_numbers_are_bad_input),
+        cmocka_unit_test(one_bad_mass_is_named),
+        cmocka_unit_test(contacts_of_flagged_grains_are_checked),
         cmocka_unit_test(flagged_rows_are_left_out),
         cmocka_unit_test(missing_errors_are_not_exact),
     };

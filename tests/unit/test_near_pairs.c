@@ -83,6 +83,31 @@ static void test_missing_numbers_and_far_discs(void **state)
     discs_free(&d);
 }
 
+/* One disc that covers all others, and cells of theirs beyond counting; places whose differences overflow. */
+static void test_absurd_discs(void **state)
+{
+    (void)state;
+    uint64_t seed = 3;
+    struct discs d = discs_new(200);
+    for (size_t k = 0; k < d.count; k++) {
+        d.x[k] = 40 * check_uniform(&seed);
+        d.y[k] = 40 * check_uniform(&seed);
+        d.radius[k] = 0.5 + check_uniform(&seed);
+    }
+    d.radius[17] = 3e7;
+    compare_with_definition(&d, 0.1);
+    d.x[17] = 2e7; /* covers all from afar */
+    compare_with_definition(&d, 0.1);
+    d.radius[17] = 1e100;
+    compare_with_definition(&d, 0);
+    d.radius[17] = 1;
+    d.x[17] = 1.5e308;
+    d.x[18] = -1.5e308;
+    d.y[19] = -1.5e308;
+    compare_with_definition(&d, 0.1);
+    discs_free(&d);
+}
+
 static void test_nothing_and_one(void **state)
 {
     (void)state;
@@ -135,9 +160,9 @@ static void test_a_million(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_discs),    cmocka_unit_test(test_missing_numbers_and_far_discs),
-        cmocka_unit_test(test_nothing_and_one), cmocka_unit_test(test_skipped_rows),
-        cmocka_unit_test(test_a_million),
+        cmocka_unit_test(test_random_discs), cmocka_unit_test(test_missing_numbers_and_far_discs),
+        cmocka_unit_test(test_absurd_discs), cmocka_unit_test(test_nothing_and_one),
+        cmocka_unit_test(test_skipped_rows), cmocka_unit_test(test_a_million),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

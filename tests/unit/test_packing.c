@@ -262,6 +262,39 @@ static void test_refused(void **unused)
     free(p.grains.mass);
     p.grains.mass = NULL;
     assert_refused(&p, "/grains/mass");
+    make_packing(&p, 1);
+    p.grains.mass[2] = -0.1;
+    assert_refused(&p, "grain 2 has a mass");
+    make_packing(&p, 1);
+    p.grains.inertia[0] = INFINITY;
+    assert_refused(&p, "grain 0 has a mass");
+    make_packing(&p, 1);
+    p.walls.radius[1] = INFINITY;
+    assert_refused(&p, "wall 1");
+    make_packing(&p, 1);
+    p.walls.x0[0] = -1e300;
+    assert_refused(&p, "wall 0");
+    make_packing(&p, 1);
+    p.forces[1].softest.count = 2;
+    assert_refused(&p, "2 motions for 3 grains");
+    make_packing(&p, 1);
+    check_done(table_alloc(&RAYS, &p.forces[0].ray, 4, NULL));
+    assert_refused(&p, "4 rays for 3 grains");
+}
+
+/* x with s_fn, and x_s with fn: both would be x_s_fn to ParaView. */
+static void test_methods_that_meet(void **unused)
+{
+    (void)unused;
+    struct packing p, q;
+    make_packing(&p, 1);
+    strcpy(p.forces[0].method, "x");
+    strcpy(p.forces[1].method, "x_s");
+    check_done(write_packing(place("meet.hdf"), &p));
+    check_done(packing_read(place("meet.hdf"), &q));
+    assert_non_null(packing_forces(&q, "x_s"));
+    packing_free(&p);
+    packing_free(&q);
 }
 
 /* What would be refused in a plain row is data in a flagged one. */
@@ -301,7 +334,7 @@ int main(void)
         cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_branches),
         cmocka_unit_test(test_view_with_walls), cmocka_unit_test(test_view_without_walls),
         cmocka_unit_test(test_no_contacts),     cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_flagged_rows),
+        cmocka_unit_test(test_flagged_rows),    cmocka_unit_test(test_methods_that_meet),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

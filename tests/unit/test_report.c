@@ -72,6 +72,19 @@ static void test_match_edges(void **unused)
     check_done(match_grains(&none, &b, r, found));
 }
 
+/* Differences of such places are no numbers. */
+static void test_match_absurd_places(void **unused)
+{
+    (void)unused;
+    const double x[] = {-1.5e308, 1.5e308, 0, 7}, y[] = {1.5e308, 0, -1.5e308, 7}, r[] = {1, 1e308, 1, 1};
+    long found[4];
+    struct match_points points = {4, x, y};
+    check_done(match_grains(&points, &points, r, found));
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(found[k], -1);
+    assert_int_equal(found[3], 3);
+}
+
 /* ---- photo side ---- */
 
 enum { GRAINS_COUNT = 20 };
@@ -391,6 +404,28 @@ static void test_csv(void **unused)
     loaded_free(&loaded);
 }
 
+/* However many methods a file has, none is left out. */
+static void test_csv_of_many_methods(void **unused)
+{
+    (void)unused;
+    enum { METHODS = 40 };
+    struct loaded loaded = {.path = strdup("a.hdf"), .is_si = 1};
+    struct packing *packing = &loaded.packing;
+    make_chain(packing);
+    packing->forces = realloc(packing->forces, METHODS * sizeof *packing->forces);
+    memset(packing->forces + 1, 0, (METHODS - 1) * sizeof *packing->forces);
+    packing->force_count = METHODS;
+    for (int f = 1; f < METHODS; f++) {
+        check_done(table_alloc(&CONTACT_FORCES, &packing->forces[f].contact, packing->contacts.count, NULL));
+        snprintf(packing->forces[f].method, NAME_LENGTH, "m%d", f);
+    }
+    char *text = text_of(contacts_as_csv, &loaded);
+    assert_non_null(strstr(text, ",m15_fn [N],"));
+    assert_non_null(strstr(text, ",m39_fn [N],"));
+    free(text);
+    loaded_free(&loaded);
+}
+
 static int walls_as_csv(const struct loaded *loaded, FILE *stream)
 {
     return export_csv(loaded, "walls", stream);
@@ -449,6 +484,14 @@ static void test_other_exports(void **unused)
     free(text);
     text = text_of(export_conf, &loaded);
     assert_int_equal(strncmp(text, "4\n0.000000000000000e+00 ", 24), 0);
+    free(text);
+    loaded.packing.info.strain[0] = loaded.packing.info.strain[2] = NAN; /* not known: not 0 */
+    loaded.packing.info.strain[1] = 0.25;
+    free(loaded.packing.grains.angle);
+    loaded.packing.grains.angle = NULL;
+    text = text_of(export_conf, &loaded);
+    assert_non_null(strstr(text, " nan 1 1\n"));
+    assert_non_null(strstr(text, "\nnan -2.500000000000000e-01 nan 0 nan -2.500000000000000e-01 nan nan nan\n"));
     free(text);
     loaded_free(&loaded);
     struct loaded photo = {.path = strdup("b.hdf")};
@@ -733,6 +776,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_match_shuffled),
         cmocka_unit_test(test_match_edges),
+        cmocka_unit_test(test_match_absurd_places),
         cmocka_unit_test(test_compare_found),
         cmocka_unit_test(test_compare_motion),
         cmocka_unit_test(test_compare_lists),
@@ -740,6 +784,7 @@ int main(void)
         cmocka_unit_test(test_pearson),
         cmocka_unit_test(test_csv),
         cmocka_unit_test(test_csv_names),
+        cmocka_unit_test(test_csv_of_many_methods),
         cmocka_unit_test(test_dic),
         cmocka_unit_test(test_other_exports),
         cmocka_unit_test(test_map_widths),

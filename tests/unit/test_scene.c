@@ -158,6 +158,7 @@ static void refuses_mistakes_in_the_root(void **state)
     check_refused("\"gravity_m_per_s2\"", "\"graivty_m_per_s2\"", ":10:3: unknown key 'graivty_m_per_s2': did you");
     check_refused("\"tracker\": {\"subset\": 0.8}", "\"tracker\": 1", ":11:32: 'tracker' must be a group");
     check_refused("6.0e-5", "0", ":4:21: 'scale_m_per_px' must be");
+    check_refused("6.0e-5", "1e-300", "'scale_m_per_px' must be"); /* what is painted would never be done */
     check_refused("6.0e-5", "-1", ":4:21: ");
     check_refused("6.0e-5", "\"6.0e-5\"", "'scale_m_per_px' must be a number");
     check_refused("[568, 7043], \"lens\"", "[568], \"lens\"", "'origin_px' must be a list of 2 numbers");
@@ -220,6 +221,8 @@ static void refuses_mistakes_in_groups(void **state)
     check_refused("\"wall\": \"top\", ", "", "a marker needs 'wall' and 'rect'");
     check_refused("[14, 168]", "[168, 14]", ":8:27: 'radius_px' is no range");
     check_refused("[14, 168]", "[0, 14]", "'radius_px' is no range");
+    check_refused("[14, 168]", "[0.5, 14]", "'radius_px' is no range"); /* nothing can be seen of such a grain */
+    check_refused("[14, 168]", "[1e-9, 1]", "'radius_px' is no range");
     check_refused("\"density_kg_m3\": 730", "\"density_kg_m3\": -730", "'density_kg_m3' must be");
     check_refused("\"length_m\"", "\"length_mm\"", "did you mean 'length_m'");
     check_refused("\"linear\"", "\"hertz-ish\"", "give one of: linear");

@@ -527,6 +527,12 @@ static void test_sha256(void **unused)
     check_done(file_sha256(place("abc"), digest));
     assert_string_equal(digest, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     assert_int_equal(file_sha256(place("absent"), digest), -1);
+    assert_int_equal(file_sha256("/dev/zero", digest), -1); /* has no end */
+    assert_int_equal(error_status(), EXIT_INPUT);
+    assert_int_equal(mkfifo(place("pipe"), 0600), 0);
+    assert_int_equal(file_sha256(place("pipe"), digest), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    unlink(place("pipe"));
     assert_int_equal(error_status(), EXIT_INPUT);
 }
 

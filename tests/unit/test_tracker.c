@@ -122,6 +122,42 @@ static void test_far_grains_are_found_and_predicted(void **state)
     packing_free(&packing);
 }
 
+/* A file of the photo before may lack columns and hold any number: such grains are looked for from nothing. */
+static void test_absurd_starts(void **state)
+{
+    (void)state;
+    static const double absurd[] = {NAN, INFINITY, -INFINITY, 1e300, -1e300, 1e18, 3e9, -3e9};
+    struct packing packing;
+    packing_make(&packing, 5);
+    struct photo reference = packing_photo(&packing, 0.01, 1);
+    struct photo_grains grains = packing_grains(&packing);
+    struct tracker_options options = TRACKER_DEFAULT;
+    struct tracks first = {0}, second = {0}, third = {0};
+    packing_move(&packing, 2, -1.5, 1, 2 * degree, 6);
+    struct photo photo = packing_photo(&packing, 0.01, 2);
+    check_done(track_grains(&reference, &grains, &photo, NULL, &options, &first));
+    check_done(track_grains(&reference, &grains, &photo, &first.grains, &options, &second));
+    double *const columns[] = {second.grains.x_seen_px, second.grains.y_seen_px, second.grains.angle_seen,
+                               second.grains.dx_px, second.grains.dangle};
+    for (size_t c = 0; c < 5; c++)
+        for (size_t k = 0; k < 4; k++)
+            columns[c][4 * c + k] = absurd[(4 * c + k) % 8];
+    for (int round = 0; round < 2; round++) {
+        check_done(track_grains(&reference, &grains, &photo, &second.grains, &options, &third));
+        for (int k = 0; k < COUNT; k++)
+            check_grain(&third.grains, &packing, k, 5);
+        tracks_free(&third);
+        free(second.grains.dy_px); /* dx_px without dy_px */
+        second.grains.dy_px = NULL;
+    }
+    tracks_free(&first);
+    tracks_free(&second);
+    table_free(&PHOTO_GRAINS, &grains);
+    free(photo.pixels);
+    free(reference.pixels);
+    packing_free(&packing);
+}
+
 /* A grain with another face is lost, its neighbours are not; when its face comes back, it is found again. */
 static void test_a_replaced_grain_is_lost_and_found_again(void **state)
 {
@@ -281,6 +317,7 @@ int main(void)
         cmocka_unit_test(test_vague_grains_are_named),
         cmocka_unit_test(test_the_reference_has_not_moved),
         cmocka_unit_test(test_far_grains_are_found_and_predicted),
+        cmocka_unit_test(test_absurd_starts),
         cmocka_unit_test(test_a_replaced_grain_is_lost_and_found_again),
         cmocka_unit_test(test_a_black_photo_loses_every_grain),
         cmocka_unit_test(test_the_border),
