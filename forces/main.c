@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "forces/add_forces.h"
 #include "forces/add_series.h"
@@ -44,6 +45,15 @@ static const struct argp_option option_list[] = {
     {"fclib", FCLIB, "FILE", 0, "Also write the contact problem for other solvers (Local form of FCLib, HDF5)", 0},
     {0}};
 
+/* A word that is no start is a file to start from. */
+static enum force_start start_of(const char *text)
+{
+    for (int k = START_ZERO; k <= START_PREVIOUS; k++)
+        if (!strcmp(text, FORCE_STARTS[k]))
+            return (enum force_start)k;
+    return START_FILE;
+}
+
 static error_t parse_option(int key, char *arg, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
@@ -57,6 +67,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
             argp_error(state, "--method %s: %s", arg, error_message());
         return 0;
     case START:
+        if (start_of(arg) == START_FILE && access(arg, F_OK))
+            argp_error(state, "--start %s: give zero, mean, overlap, cem, previous, or a file with forces", arg);
         arguments->start = arg;
         return 0;
     case FIX:
@@ -105,18 +117,6 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     default:
         return ARGP_ERR_UNKNOWN;
     }
-}
-
-/* A word that is no start is a file to start from. */
-static void choose_start(const char *text, struct force_request *request)
-{
-    for (int k = START_ZERO; k <= START_PREVIOUS; k++)
-        if (!strcmp(text, FORCE_STARTS[k])) {
-            request->options.start = (enum force_start)k;
-            return;
-        }
-    request->options.start = START_FILE;
-    request->from = text;
 }
 
 /* Forces can be in equilibrium and yet not what the photos say. */
@@ -184,7 +184,9 @@ static int run(const struct arguments *arguments)
         if (arguments->methods.count > 0)
             request.methods = arguments->methods;
         if (arguments->start)
-            choose_start(arguments->start, &request);
+            request.options.start = start_of(arguments->start);
+        if (request.options.start == START_FILE)
+            request.from = arguments->start;
         if (arguments->fix >= 0)
             request.options.fix = (enum force_fix)arguments->fix;
         if (arguments->tolerance > 0)

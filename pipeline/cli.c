@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "pipeline/cli_messages.h"
 #include "pipeline/cli_overwrite.h"
 #include "pipeline/error.h"
 #include "pipeline/new_file.h"
@@ -17,6 +18,7 @@
 #include "pipeline/photo.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene.h"
+#include "pipeline/text.h"
 
 static FILE *log_file;
 static const char *log_path;
@@ -129,7 +131,9 @@ void cli_parse(const struct argp *argp, int argc, char **argv, void *input)
     argp_program_version = version;
     argp_err_exit_status = EXIT_USAGE;
     new_file_remove_on_signals();
+    FILE *before = cli_messages_begin(argv);
     error_t failed = argp_parse(argp, argc, argv, 0, NULL, input);
+    cli_messages_end(before);
     if (failed) {
         fprintf(stderr, "%s: %s\n", argv[0], strerror(failed));
         exit(failed == ENOMEM ? EXIT_FAILED : EXIT_USAGE);
@@ -163,10 +167,9 @@ int cli_choice(const struct argp_state *state, const char *option, const char *t
 /* One line, whatever stands in a file's name. */
 static void print_line(const char *message)
 {
-    fprintf(stderr, "%s: ", program_invocation_short_name);
-    for (const char *c = message; *c; c++)
-        fputc((unsigned char)*c < 0x20 || *c == 0x7F ? '?' : *c, stderr);
-    fputc('\n', stderr);
+    char line[2048];
+    text_clean(message, line, sizeof line);
+    fprintf(stderr, "%s: %s\n", program_invocation_short_name, line);
 }
 
 static double cpu_seconds(const struct rusage *usage)
@@ -189,8 +192,9 @@ int cli_finish(const struct cli *cli, int status)
 {
     struct rusage usage;
     (void)cli;
-    if (fflush(stdout) && status >= 0)
-        status = error_failed("standard output: %s: is the disk full?", strerror(errno));
+    int cut = ferror(stdout); /* an earlier write failed; why is no longer known */
+    if ((fflush(stdout) || cut) && status >= 0)
+        status = error_failed("standard output: %s: is the disk full?", cut ? "cut short" : strerror(errno));
     int code = status >= 0 ? status : error_status() != EXIT_DONE ? error_status() : EXIT_FAILED;
     getrusage(RUSAGE_SELF, &usage);
     log_event("finish", "status", (double)code, "cpu_s", cpu_seconds(&usage), "wall_s", seconds_since(&begin),

@@ -7,6 +7,7 @@
 #include "pipeline/error.h"
 #include "pipeline/json.h"
 #include "pipeline/number.h"
+#include "pipeline/text.h"
 
 enum { MAX_NUMBER_LENGTH = 60 }; /* cJSON cuts numbers at 63 characters without a word */
 
@@ -87,22 +88,6 @@ static int scan_escape(struct json_scan *scan)
     return 0;
 }
 
-/* Length of the valid UTF-8 sequence at the cursor, 0 when it is none (overlong, surrogate, above U+10FFFF, cut). */
-static size_t utf8_length(const struct json_scan *scan)
-{
-    const unsigned char *p = (const unsigned char *)scan->text + scan->at;
-    size_t left = scan->length - scan->at, n = p[0] < 0xE0 ? 2 : p[0] < 0xF0 ? 3 : 4;
-    if (p[0] < 0xC2 || p[0] > 0xF4 || n > left)
-        return 0;
-    for (size_t k = 1; k < n; k++)
-        if ((p[k] & 0xC0) != 0x80)
-            return 0;
-    if ((p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xED && p[1] > 0x9F) || (p[0] == 0xF0 && p[1] < 0x90) ||
-        (p[0] == 0xF4 && p[1] > 0x8F))
-        return 0;
-    return n;
-}
-
 static int scan_string(struct json_scan *scan)
 {
     size_t start = scan->at++;
@@ -121,7 +106,7 @@ static int scan_string(struct json_scan *scan)
                 return -1;
             continue;
         }
-        size_t n = c < 0x80 ? 1 : utf8_length(scan);
+        size_t n = text_letter(scan->text + scan->at, scan->length - scan->at);
         if (n == 0)
             return scan_error(scan, scan->at, "not UTF-8: save the file in UTF-8");
         scan->at += n;

@@ -11,6 +11,7 @@
 #include "pipeline/error.h"
 #include "pipeline/scene_part.h"
 #include "pipeline/state_hdf.h"
+#include "pipeline/text.h"
 
 enum { CHUNK_ROWS = 65536 };
 
@@ -276,9 +277,13 @@ static int write_integer(struct state_writer *writer, const char *attribute, int
 
 static int add_input(cJSON *array, const char *path, const char *part, const char digest[65])
 {
-    cJSON *input = cJSON_CreateObject();
+    char *name = text_escape(basename(path)); /* JSON is UTF-8, a name need not be */
+    cJSON *input = name ? cJSON_CreateObject() : NULL;
+    if (!name)
+        return error_memory("the list of inputs");
     cJSON_AddItemToArray(array, input);
-    cJSON_AddStringToObject(input, "name", basename(path));
+    cJSON_AddStringToObject(input, "name", name);
+    free(name);
     if (part)
         cJSON_AddStringToObject(input, "part", part);
     cJSON_AddStringToObject(input, "sha256", digest);

@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "pipeline/error.h"
+#include "pipeline/text.h"
 
 int canvas_format_of(const char *path, enum canvas_format *format)
 {
@@ -162,26 +163,31 @@ int canvas_take(struct canvas *canvas, unsigned char **data, size_t *length)
     return not_drawn(status);
 }
 
-/* Choose the font; the width that the text takes in it. */
-static double text_width(cairo_t *cairo, double size, int bold, const char *text)
+enum { LONGEST_TEXT = 1000 };
+
+double canvas_text_width(cairo_t *cairo, double size, int bold, const char *text)
 {
+    char clean[LONGEST_TEXT];
     cairo_text_extents_t extents;
     cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                            bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, size);
-    cairo_text_extents(cairo, text, &extents);
+    text_clean(text, clean, sizeof clean); /* cairo draws UTF-8 or nothing at all */
+    cairo_text_extents(cairo, clean, &extents);
     return extents.x_advance;
 }
 
 void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text)
 {
-    cairo_move_to(cairo, x - align * text_width(cairo, size, bold, text), y);
-    cairo_show_text(cairo, text);
+    char clean[LONGEST_TEXT];
+    cairo_move_to(cairo, x - align * canvas_text_width(cairo, size, bold, text), y);
+    text_clean(text, clean, sizeof clean);
+    cairo_show_text(cairo, clean);
 }
 
 void canvas_text_within(cairo_t *cairo, double x, double y, double width, double size, int bold, const char *text)
 {
-    double wide = text_width(cairo, size, bold, text);
+    double wide = canvas_text_width(cairo, size, bold, text);
     canvas_text(cairo, x, y, 0, wide > width ? size * width / wide : size, bold, text);
 }
 

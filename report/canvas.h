@@ -45,6 +45,8 @@ void canvas_forget_fonts(void);
 #define COLOUR_INK 0.133, 0.133, 0.133
 #define COLOUR_GREY 0.600, 0.600, 0.600
 
+/* Choose the font; the width that the text takes in it. Here and below '?' stands for what text_clean() replaces. */
+double canvas_text_width(cairo_t *cairo, double size, int bold, const char *text);
 /* Text with its baseline's left end, middle or right end (align 0, 0.5, 1) at (x, y). */
 void canvas_text(cairo_t *cairo, double x, double y, double align, double size, int bold, const char *text);
 /* The same from the left, in a smaller size where the text would be wider than `width`. */

@@ -287,7 +287,6 @@ static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const
 
 static void draw_key(const struct chart *chart, cairo_t *cairo, double left)
 {
-    cairo_text_extents_t extents;
     for (size_t l = 0; l < chart->count; l++) {
         if (chart->lines[l].without_key)
             continue;
@@ -299,8 +298,7 @@ static void draw_key(const struct chart *chart, cairo_t *cairo, double left)
         mark(cairo, &chart->lines[l], left + 10, 31);
         cairo_set_source_rgb(cairo, COLOUR_INK);
         canvas_text(cairo, left + 25, 35, 0, 12, 0, chart->lines[l].name);
-        cairo_text_extents(cairo, chart->lines[l].name, &extents);
-        left += 37 + extents.x_advance;
+        left += 37 + canvas_text_width(cairo, 12, 0, chart->lines[l].name);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
+#include "pipeline/text.h"
 #include "report/commands.h"
 #include "report/compare.h"
 #include "report/loaded.h"
@@ -110,7 +111,11 @@ static int run(const struct options *options)
             result = figures_write_json(&figures, options->json);
     }
     if (result == 0) {
-        printf("A: %s\nB: %s\n", a.path, b.path);
+        for (int k = 0; k < 2; k++) {
+            fputs(k ? "\nB: " : "A: ", stdout);
+            text_print(stdout, k ? b.path : a.path);
+        }
+        putchar('\n');
         figures_print(&figures, stdout);
     }
     loaded_free(&a);

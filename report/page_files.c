@@ -1,7 +1,19 @@
 /* Links to the files of every state, where the page lies beside them. */
+#include <ctype.h>
 #include <string.h>
 
 #include "report/page.h"
+
+/* A file beside the page, as an address (RFC 3986): whatever its name, it is no scheme and leads nowhere else. */
+static void put_address(struct html *html, const char *name)
+{
+    fputs("./", html->stream);
+    for (; *name; name++)
+        if (isascii((unsigned char)*name) && (isalnum((unsigned char)*name) || strchr("._-", *name)))
+            fputc(*name, html->stream);
+        else
+            fprintf(html->stream, "%%%02X", (unsigned)(unsigned char)*name);
+}
 
 /* A dash for NULL. */
 static void cell_link(const struct page *page, struct html *html, const char *path)
@@ -13,7 +25,7 @@ static void cell_link(const struct page *page, struct html *html, const char *pa
         fputs("–", html->stream);
     } else if (page->folder && strlen(page->folder) == folder && !strncmp(page->folder, path, folder)) {
         fputs("<a href=\"", html->stream);
-        html_text(html, name);
+        put_address(html, name);
         fputs("\">", html->stream);
         html_text(html, name);
         fputs("</a>", html->stream);

@@ -7,6 +7,7 @@
 #include "pipeline/error.h"
 #include "pipeline/scene_part.h"
 #include "pipeline/state.h"
+#include "pipeline/text.h"
 #include "report/loaded.h"
 
 /* Photos and tracks are inputs of many files: each is read once. */
@@ -77,7 +78,10 @@ static char *find_input(const struct verify *verify, const char *state_path, con
 
 static void complain(struct verify *verify, const char *path, const char *name, const char *what)
 {
-    fprintf(verify->stream, "%s: %s %s\n", path, name, what);
+    text_print(verify->stream, path);
+    fputs(": ", verify->stream);
+    text_print(verify->stream, name);
+    fprintf(verify->stream, " %s\n", what);
     verify->count.wrong++;
 }
 
@@ -94,7 +98,12 @@ static int verify_part(struct verify *verify, const char *path, const char *name
 
 static int verify_input(struct verify *verify, const char *path, const char *name, const char *recorded)
 {
-    char *input = find_input(verify, path, name);
+    char *raw = strdup(name); /* the file's own name, docs/files.md */
+    if (!raw)
+        return error_memory("the name of an input");
+    text_unescape(raw);
+    char *input = find_input(verify, path, raw);
+    free(raw);
     const char *digest = input && !access(input, R_OK) ? digest_of(verify, input) : "";
     if (digest && !*digest)
         complain(verify, path, name, "is not there any more");
@@ -144,7 +153,8 @@ static int report_wrong(struct verify *verify)
 {
     if (error_status() != EXIT_INPUT)
         return -1;
-    fprintf(verify->stream, "%s\n", error_message());
+    text_print(verify->stream, error_message());
+    fputc('\n', verify->stream);
     verify->count.wrong++;
     error_clear();
     return 0;

@@ -1,9 +1,11 @@
 /* A program of the smallest kind, for test_cli and test_progress: what the shared command line does to it. */
+#include <fcntl.h>
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "pipeline/cli.h"
 #include "pipeline/error.h"
@@ -58,6 +60,18 @@ static void count_to(size_t total)
     printf("counted %zu\n", atomic_load(&progress.done));
 }
 
+/* Standard output has no room for the beginning of the text, and has room again at its end. */
+static void print_with_a_hole(void)
+{
+    int out = dup(STDOUT_FILENO), full = open("/dev/full", O_WRONLY);
+    dup2(full, STDOUT_FILENO);
+    for (int k = 0; k < 3000; k++)
+        printf("row %d\n", k);
+    dup2(out, STDOUT_FILENO);
+    close(full);
+    close(out);
+}
+
 static int work(const struct options *options)
 {
     if (!options->work) {
@@ -67,6 +81,11 @@ static int work(const struct options *options)
     }
     if (!strcmp(options->work, "input"))
         return error_input("a.tif: two\nlines: do this");
+    if (!strcmp(options->work, "odd"))
+        return error_input("\xC2\x9B"
+                           "31m\x1B[31m\xE9.tif: bad: do this");
+    if (!strcmp(options->work, "hole"))
+        print_with_a_hole();
     if (!strcmp(options->work, "memory"))
         return error_memory("a table");
     if (!strcmp(options->work, "count"))

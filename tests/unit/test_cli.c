@@ -108,6 +108,42 @@ static void a_failure_is_one_line(void **state)
     assert_int_equal(lines(err), 1);
 }
 
+static int is_clean(const char *text)
+{
+    for (; *text; text++)
+        if (((unsigned char)*text < 0x20 && *text != '\n') || *text == 0x7F || !strncmp(text, "\xC2\x9B", 2))
+            return 0;
+    return 1;
+}
+
+/* A word of the command line neither moves the cursor of a terminal nor makes a line of its own. */
+static void odd_words_are_shown_plainly(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"--colour $'blue\\e[31m\\nspeaker: all is well'", "$'--a\\e]0;title\\a'",
+                                        "--size $'\\xC2\\x9B31m'", "--log $'no-such-folder/\\e[31m\\x7F'",
+                                        "--work odd"};
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+        char line[500];
+        snprintf(line, sizeof line, "bash -c \"%s%s\"", good, words[k]);
+        assert_int_not_equal(run(line, ""), 0);
+        assert_int_equal(strncmp(err, "speaker: ", 9), 0);
+        assert_true(is_clean(err));
+        assert_int_equal(lines(err), k < 3 ? 2 : 1); /* argp: "Try ..." */
+        assert_non_null(strstr(err, "?"));
+    }
+}
+
+/* What a program prints is whole or its status is not 0, also when only an early part could not be written. */
+static void cut_output_is_a_failure(void **state)
+{
+    (void)state;
+    /* The disk has no room at first and has some later: the last write of all succeeds. */
+    assert_int_equal(run(SPEAKER " --scene s -o o --work hole", ""), 1);
+    assert_int_equal(lines(err), 1);
+    assert_non_null(strstr(err, "standard output"));
+}
+
 static void many_flags_are_4(void **state)
 {
     (void)state;
@@ -157,7 +193,8 @@ int main(void)
         cmocka_unit_test(help_and_version_are_data), cmocka_unit_test(a_good_command_line),
         cmocka_unit_test(a_wrong_command_line_is_2), cmocka_unit_test(a_failure_is_one_line),
         cmocka_unit_test(many_flags_are_4),          cmocka_unit_test(the_log_is_json),
-        cmocka_unit_test(the_bar_needs_a_terminal),
+        cmocka_unit_test(the_bar_needs_a_terminal),  cmocka_unit_test(odd_words_are_shown_plainly),
+        cmocka_unit_test(cut_output_is_a_failure),
     };
     return cmocka_run_group_tests_name("cli", tests, NULL, NULL);
 }

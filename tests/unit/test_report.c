@@ -740,7 +740,34 @@ static void test_page(void **unused)
     assert_non_null(strstr(html.text, "misfit above 1.5 (worst 2.5, 0000)"));
     assert_non_null(strstr(html.text, "src=\"data:image/png;base64,"));
     assert_null(strstr(html.text, "<script"));
-    assert_null(strstr(html.text, "http"));
+    assert_null(strstr(html.text, "http:"));
+    assert_null(strstr(html.text, "https:"));
+    html_free(&html);
+    series_free(&series);
+    remove(path);
+    remove(folder);
+}
+
+/* A file's name is no address: it neither runs as a script nor leads elsewhere. Nothing is loaded from anywhere. */
+static void test_page_links(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/test_report.XXXXXX", path[100], beside[40];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/javascript:alert(1);'\xE9%%41.forces.hdf", folder);
+    snprintf(beside, sizeof beside, "%s/", folder);
+    write_chain(path, 0, 0);
+    char *paths[] = {path};
+    struct series series;
+    struct html html;
+    struct page page = {.name = "names", .maps = 1, .folder = beside};
+    check_done(series_read(paths, 1, &series));
+    check_done(html_begin(&html));
+    check_done(page_write(&page, &series, &html)); /* the picture's title holds the name, which is no UTF-8 */
+    check_done(html_end(&html));
+    assert_non_null(strstr(html.text, "<a href=\"./javascript%3Aalert%281%29%3B%27%E9%2541.forces.hdf\">"));
+    assert_null(strstr(html.text, "href=\"j"));
+    assert_non_null(strstr(html.text, "Content-Security-Policy\" content=\"default-src 'none'; img-src data:"));
     html_free(&html);
     series_free(&series);
     remove(path);
@@ -799,6 +826,7 @@ int main(void)
         cmocka_unit_test(test_chart),
         cmocka_unit_test(test_page),
         cmocka_unit_test(test_page_order),
+        cmocka_unit_test(test_page_links),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     canvas_forget_fonts();
