@@ -304,7 +304,10 @@ static void corrections_and_known_grains(void **state)
     assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
 
-    const struct correction absurd[] = {{1e308, 100, 5}, {100, 100, 1e308}, {100, 100, 1e9}, {100, 100, 2000}};
+    const struct correction absurd[] = {{.x = 1e308, .y = 100, .radius = 5},
+                                        {.x = 100, .y = 100, .radius = 1e308},
+                                        {.x = 100, .y = 100, .radius = 1e9},
+                                        {.x = 100, .y = 100, .radius = 2000}};
     for (size_t k = 0; k < sizeof absurd / sizeof *absurd; k++) {
         items[0] = absurd[k];
         corrections = (struct corrections){items, 1, 2};
