@@ -139,6 +139,13 @@ static double motion(const double *column, size_t row)
     return column ? column[row] : NAN;
 }
 
+/* Was this row a contact in the previous state? A new one, whose partner was near at most, has no increment. */
+static int is_old(const struct packing *packing, const long *match, size_t row)
+{
+    const uint32_t *flags = packing->contacts.flags;
+    return match && match[row] >= 0 && !(flags && (flags[row] & CONTACT_NEW));
+}
+
 /* Where no contact of the previous state has a motion, the forces would be those of that state. */
 static int check_motions(const struct packing *packing, const struct network *network, const long *match)
 {
@@ -147,7 +154,7 @@ static int check_motions(const struct packing *packing, const struct network *ne
         size_t row = network->contact[c].row;
         if (isfinite(motion(packing->contacts.dun, row)))
             return 0;
-        old += match[row] >= 0;
+        old += (size_t)is_old(packing, match, row);
     }
     return old ? error_input("no contact has a motion since the previous state: run contacts with --previous") : 0;
 }
@@ -155,20 +162,21 @@ static int check_motions(const struct packing *packing, const struct network *ne
 /* Add what contact c has moved, in working units. A contact that was not there before begins with what is known of
  * its motion; one that was has no force that could be told when its motion is not known (NaN). */
 static void advance(const struct packing *packing, const struct network *network, const struct force_options *options,
-                    size_t c, int is_old, double *f)
+                    size_t c, int old, double *f)
 {
     size_t row = network->contact[c].row;
     double fn = f[2 * c] * network->force, ft = f[2 * c + 1] * network->force;
     double dun = options->previous ? motion(packing->contacts.dun, row) : 0;
     double dut = motion(options->previous ? packing->contacts.dut : packing->contacts.ut, row);
     int known_n = isfinite(dun) && isfinite(fn), known_t = isfinite(dut) && isfinite(ft);
+    fn = old || isfinite(fn) ? fn : 0;
     ft = isfinite(ft) ? ft : 0;
     struct contact_pair pair = elastic_pair(packing, &options->law, row);
-    elastic_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || is_old) ? dun : 0,
+    elastic_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
                     known_n && known_t ? dut : 0, &fn, &ft);
-    if (is_old && !known_n)
+    if (old && !known_n)
         fn = ft = NAN;
-    else if (is_old && !known_t && fn > 0)
+    else if (old && !known_t && fn > 0)
         ft = NAN;
     f[2 * c] = fn / network->force;
     f[2 * c + 1] = ft / network->force;
@@ -180,7 +188,7 @@ static int advance_all(const struct packing *packing, const struct network *netw
     long *match = options->previous ? match_contacts(&packing->contacts, &options->previous->contacts) : NULL;
     int status = !options->previous ? 0 : match ? check_motions(packing, network, match) : -1;
     for (size_t c = 0; c < network->count && !status; c++)
-        advance(packing, network, options, c, match && match[network->contact[c].row] >= 0, f);
+        advance(packing, network, options, c, is_old(packing, match, network->contact[c].row), f);
     free(match);
     return status;
 }

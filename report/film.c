@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "pipeline/error.h"
 #include "pipeline/progress.h"
@@ -105,7 +106,8 @@ int film_write(const struct film *film, char *const paths[], size_t count, const
     int result = 0;
     if (look_at_all(film, paths, count, &common))
         return -1;
-    if (mkdir(folder, 0777) && errno != EEXIST)
+    int is_new = mkdir(folder, 0777) == 0;
+    if (!is_new && errno != EEXIST)
         return error_failed("%s: the folder cannot be made: %s: check the path", folder, strerror(errno));
     progress_begin(&progress, "frames", count);
     for (size_t k = 0; k < count && result == 0; k++) {
@@ -113,5 +115,7 @@ int film_write(const struct film *film, char *const paths[], size_t count, const
         progress_step(&progress);
     }
     progress_end(&progress);
+    if (result && is_new)
+        rmdir(folder); /* stays when frames are in it */
     return result;
 }

@@ -350,6 +350,12 @@ static void cem_does_not_invent(void **state)
         forces_free(&forces);
         *unknown[k] = known;
     }
+    packing.contacts.flags[1] |= CONTACT_NEW; /* was near at most: no increment, which is known */
+    packing.contacts.dun[1] = packing.contacts.dut[1] = NAN;
+    check_done(infer_forces(&packing, &options, METHOD_CEM, &forces));
+    check_near(forces.contact.fn[1], 100, 1e-9);
+    check_near(forces.contact.ft[1], -20, 1e-9);
+    forces_free(&forces);
     packing_free(&packing);
     packing_free(&before);
 }
