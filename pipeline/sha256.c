@@ -5,6 +5,7 @@
 #include <openssl/evp.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/state.h"
 
 static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest[32])
@@ -39,9 +40,9 @@ int text_sha256(const char *content, char text[65])
 int file_sha256(const char *path, char text[65])
 {
     unsigned char digest[32] = {0};
-    FILE *stream = fopen(path, "rbe");
+    FILE *stream = input_file_open(path, 0);
     if (!stream)
-        return error_input("%s: cannot be opened: %s: check the path", path, strerror(errno));
+        return -1;
     EVP_MD_CTX *context = EVP_MD_CTX_new();
     int failed = digest_stream(stream, context, digest);
     EVP_MD_CTX_free(context);
