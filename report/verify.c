@@ -1,5 +1,6 @@
 #include "report/verify.h"
 
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -12,32 +13,37 @@
 
 /* Photos and tracks are inputs of many files: each is read once. */
 struct known {
-    char *path;
     char digest[65];
+    char path[];
 };
 
 struct verify {
     const struct scene *scene;
     FILE *stream;
-    struct known *known;
-    size_t known_count;
+    void *known; /* a tree of struct known */
     struct verify_count count;
 };
 
+static int by_path(const void *a, const void *b)
+{
+    return strcmp(((const struct known *)a)->path, ((const struct known *)b)->path);
+}
+
 static const char *digest_of(struct verify *verify, const char *path)
 {
-    for (size_t k = 0; k < verify->known_count; k++)
-        if (!strcmp(verify->known[k].path, path))
-            return verify->known[k].digest;
-    struct known *known = realloc(verify->known, (verify->known_count + 1) * sizeof *known), *last;
+    struct known *known = malloc(sizeof *known + strlen(path) + 1);
     if (known)
-        verify->known = known;
-    if (!known || !(known[verify->known_count].path = strdup(path))) {
+        strcpy(known->path, path);
+    struct known **found = known ? tsearch(known, &verify->known, by_path) : NULL;
+    if (!found) {
+        free(known);
         (void)error_memory("the list of hashes");
         return NULL;
     }
-    last = &known[verify->known_count++];
-    return file_sha256(path, last->digest) ? NULL : last->digest;
+    if (*found == known)
+        return file_sha256(path, known->digest) ? NULL : known->digest;
+    free(known);
+    return (*found)->digest;
 }
 
 /* ---- where an input lies ---- */
@@ -154,9 +160,7 @@ int verify_files(const struct scene *scene, char *const paths[], size_t count, F
     int result = 0;
     for (size_t k = 0; k < count && result == 0; k++)
         result = verify_file(&verify, paths[k]);
-    for (size_t k = 0; k < verify.known_count; k++)
-        free(verify.known[k].path);
-    free(verify.known);
+    tdestroy(verify.known, free);
     *found = verify.count;
     return result;
 }
