@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/number.h"
 #include "pipeline/state.h"
 
@@ -78,9 +79,9 @@ static int parse_file(FILE *file, const char *path, struct force_record *record)
 int force_record_read(const char *path, struct force_record *record)
 {
     memset(record, 0, sizeof *record);
-    FILE *file = fopen(path, "r");
+    FILE *file = input_file_open(path, INPUT_FILE_TEXT);
     if (!file)
-        return error_input("%s: %s: check the path", path, strerror(errno));
+        return -1;
     int status = parse_file(file, path, record);
     fclose(file);
     if (status)

@@ -138,7 +138,7 @@ static int shared_errors(struct task *task, const struct reading *reading, doubl
 /* The most likely blur at this correction: from coarse steps, halved around the best one. */
 static double likely_blur(struct task *task, double correction)
 {
-    double unit = task->sample.error, step = 2 * unit, blur = 2 * unit, highest = -INFINITY;
+    double step = 2 * task->sample.error, blur = step, highest = -INFINITY;
     struct pair_statistics st = {0};
     for (int half = 0; half <= HALVINGS; half++, step /= 2) {
         double middle = blur;

@@ -1,6 +1,7 @@
 #include "findgrains/corrections.h"
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -44,12 +45,12 @@ static int read_numbers(const char *line, double values[3])
 
 static int read_list(const char *path, int columns, const char *format, struct corrections *corrections)
 {
-    FILE *file = fopen(path, "r");
+    FILE *file = input_file_open(path, INPUT_FILE_TEXT);
     char *line = NULL;
     size_t room = 0;
     int status = 0;
     if (!file)
-        return error_input("%s: %s: give a file with one grain per line", path, strerror(errno));
+        return -1;
     for (int number = 1; !status && getline(&line, &room, file) > 0; number++) {
         double values[3] = {0};
         int count = read_numbers(line, values);
@@ -60,9 +61,7 @@ static int read_list(const char *path, int columns, const char *format, struct c
         else
             status = add(corrections, (struct correction){values[0], values[1], values[2], path, number});
     }
-    if (!status && ferror(file) && errno == EISDIR)
-        status = error_input("%s: is a folder: give a file with one grain per line", path);
-    else if (!status && !feof(file))
+    if (!status && !feof(file))
         status = error_failed("%s: %s", path, strerror(errno));
     free(line);
     fclose(file);

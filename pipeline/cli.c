@@ -240,21 +240,3 @@ void log_event(const char *event, ...)
     va_end(pairs);
     fputs("}\n", log_file);
 }
-
-/* ---- inputs ---- */
-
-int cli_inputs_add(struct cli_inputs *inputs, char *path)
-{
-    char **paths = realloc(inputs->paths, (inputs->count + 1) * sizeof *paths);
-    if (!paths)
-        return error_memory("list of files");
-    inputs->paths = paths;
-    paths[inputs->count++] = path;
-    return 0;
-}
-
-void cli_inputs_free(struct cli_inputs *inputs)
-{
-    free(inputs->paths);
-    *inputs = (struct cli_inputs){0};
-}

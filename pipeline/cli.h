@@ -61,8 +61,11 @@ void log_event(const char *event, ...) __attribute__((sentinel));
 struct cli_inputs {
     char **paths;
     size_t count;
+    char *text; /* of cli_inputs_read() */
 };
 int cli_inputs_add(struct cli_inputs *inputs, char *path);
+/* The paths in a file, one per line (once; NULL: none): more than a command line holds. */
+int cli_inputs_read(struct cli_inputs *inputs, const char *path);
 void cli_inputs_free(struct cli_inputs *inputs);
 
 #endif

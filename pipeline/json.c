@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/json_scan.h"
 
 enum { JSON_MAX_BYTES = 1 << 26 };
@@ -195,11 +196,9 @@ static char *read_stream(FILE *file, const char *path, size_t *length)
 
 static char *read_whole(const char *path, size_t *length)
 {
-    FILE *file = fopen(path, "rb");
-    if (!file) {
-        error_set(EXIT_INPUT, "%s: %s: name a file that can be read", path, strerror(errno));
+    FILE *file = input_file_open(path, JSON_MAX_BYTES);
+    if (!file)
         return NULL;
-    }
     char *text = read_stream(file, path, length);
     fclose(file);
     return text;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/number.h"
 
 enum kind { BY_WALL, BY_STRESS, BY_CORNER };
@@ -259,9 +260,9 @@ static int apply(const char *path, struct rows *rows, double length_m, struct wa
 
 static int read_file(const char *path, int64_t index, struct rows *rows)
 {
-    struct reader reader = {.path = path, .file = fopen(path, "r")};
+    struct reader reader = {.path = path, .file = input_file_open(path, INPUT_FILE_TEXT)};
     if (!reader.file)
-        return error_input("%s: %s: name a file that can be read", path, strerror(errno));
+        return -1;
     int status = read_rows(&reader, index, rows);
     free(reader.line);
     fclose(reader.file);

@@ -1,13 +1,11 @@
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <openssl/evp.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/state.h"
 
 static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest[32])
@@ -39,27 +37,10 @@ int text_sha256(const char *content, char text[65])
     return 0;
 }
 
-/* A pipe would be waited for, and a device need not end. */
-static FILE *open_regular(const char *path)
-{
-    struct stat about;
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    FILE *stream = NULL;
-    if (file < 0 || fstat(file, &about))
-        error_set(EXIT_INPUT, "%s: cannot be opened: %s: check the path", path, strerror(errno));
-    else if (!S_ISREG(about.st_mode))
-        error_set(EXIT_INPUT, "%s: is no ordinary file: copy what it holds into one", path);
-    else if (!(stream = fdopen(file, "rb")))
-        error_set(EXIT_FAILED, "out of memory: %s: use a machine with more memory", path);
-    if (file >= 0 && !stream)
-        close(file);
-    return stream;
-}
-
 int file_sha256(const char *path, char text[65])
 {
     unsigned char digest[32] = {0};
-    FILE *stream = open_regular(path);
+    FILE *stream = input_file_open(path, 0);
     if (!stream)
         return -1;
     EVP_MD_CTX *context = EVP_MD_CTX_new();

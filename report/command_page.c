@@ -16,12 +16,12 @@
 struct options {
     struct cli cli;
     struct cli_inputs files;
-    const char *truth, *pictures;
+    const char *truth, *pictures, *list;
     int format;
     int maps;
 };
 
-enum { KEY_TRUTH = 0x2000, KEY_MAPS, KEY_PICTURES, KEY_FORMAT };
+enum { KEY_TRUTH = 0x2000, KEY_MAPS, KEY_PICTURES, KEY_FORMAT, KEY_LIST };
 static const char *const formats[] = {"svg", "pdf", "png", NULL};
 
 static const struct argp_option option_list[] = {
@@ -29,6 +29,7 @@ static const struct argp_option option_list[] = {
     {"maps", KEY_MAPS, "N", 0, "Draw force maps of N states at most, spread over the series (default 6)", 0},
     {"pictures", KEY_PICTURES, "DIR", 0, "Also write every curve, rose and map of the page as a file into DIR", 0},
     {"format", KEY_FORMAT, "svg|pdf|png", 0, "Their format (default svg)", 0},
+    {"list", KEY_LIST, "FILE", 0, "Further state files: their paths, one per line", 0},
     {0}};
 
 static const char documentation[] =
@@ -61,8 +62,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "give the state files of the series");
+    case KEY_LIST:
+        options->list = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (options->files.count == 0 && !options->list)
+            argp_error(state, "give the state files of the series");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -87,14 +92,15 @@ static int write_page(const struct options *options, const struct page *page, co
     return result;
 }
 
-static int run(const struct options *options)
+static int run(struct options *options)
 {
     struct scene scene = {0};
     struct series series = {0};
     struct page page = {.truth_folder = options->truth, .maps = options->maps};
-    int result =
-        scene_read(options->cli.scene, &scene) || series_read(options->files.paths, options->files.count, &series) ? -1
-                                                                                                                   : 0;
+    int result = scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->files, options->list) ||
+                         series_read(options->files.paths, options->files.count, &series)
+                     ? -1
+                     : 0;
     char *folder = strdup(options->cli.output);
     if (!folder)
         result = error_memory("a path");

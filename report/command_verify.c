@@ -10,7 +10,13 @@
 struct options {
     struct cli cli;
     struct cli_inputs files;
+    const char *list;
 };
+
+enum { KEY_LIST = 0x2000 };
+
+static const struct argp_option option_list[] = {
+    {"list", KEY_LIST, "FILE", 0, "Further state files: their paths, one per line", 0}, {0}};
 
 static const char documentation[] =
     "Read state files whole (every column has a checksum) and compare the SHA-256 of everything that each one was made "
@@ -28,19 +34,23 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "give the state files to verify");
+    case KEY_LIST:
+        options->list = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (options->files.count == 0 && !options->list)
+            argp_error(state, "give the state files to verify");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
 }
 
-static int run(const struct options *options)
+static int run(struct options *options)
 {
     struct scene scene = {0};
     struct verify_count found = {0};
-    int result = scene_read(options->cli.scene, &scene);
+    int result = scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->files, options->list) ? -1 : 0;
     if (result == 0)
         result = verify_files(&scene, options->files.paths, options->files.count, stdout, &found);
     if (result == 0 && found.wrong)
@@ -55,7 +65,7 @@ static int run(const struct options *options)
 int command_verify(int argc, char **argv)
 {
     const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {NULL, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
+    const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT};
     options.cli.needs = CLI_NEEDS_SCENE;
     cli_parse(&parser, argc, argv, &options);

@@ -1,5 +1,6 @@
 #include "report/verify.h"
 
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -12,37 +13,43 @@
 
 /* Photos and tracks are inputs of many files: each is read once. */
 struct known {
-    char *path;
     char digest[65];
+    char path[];
 };
 
 struct verify {
     const struct scene *scene;
     FILE *stream;
-    struct known *known;
-    size_t known_count;
+    void *known; /* a tree of struct known */
     struct verify_count count;
 };
 
+static int by_path(const void *a, const void *b)
+{
+    return strcmp(((const struct known *)a)->path, ((const struct known *)b)->path);
+}
+
 static const char *digest_of(struct verify *verify, const char *path)
 {
-    for (size_t k = 0; k < verify->known_count; k++)
-        if (!strcmp(verify->known[k].path, path))
-            return verify->known[k].digest;
-    struct known *known = realloc(verify->known, (verify->known_count + 1) * sizeof *known), *last;
+    struct known *known = malloc(sizeof *known + strlen(path) + 1);
     if (known)
-        verify->known = known;
-    if (!known || !(known[verify->known_count].path = strdup(path))) {
+        strcpy(known->path, path);
+    struct known **found = known ? tsearch(known, &verify->known, by_path) : NULL;
+    if (!found) {
+        free(known);
         (void)error_memory("the list of hashes");
         return NULL;
     }
-    last = &known[verify->known_count];
-    if (file_sha256(path, last->digest)) {
-        free(last->path);
+    if (*found != known) {
+        free(known);
+        return (*found)->digest;
+    }
+    if (file_sha256(path, known->digest)) {
+        tdelete(known, &verify->known, by_path);
+        free(known);
         return NULL;
     }
-    verify->known_count++;
-    return last->digest;
+    return known->digest;
 }
 
 /* ---- where an input lies ---- */
@@ -96,12 +103,27 @@ static int verify_part(struct verify *verify, const char *path, const char *name
     return result;
 }
 
+/* Files record bare names: a stranger's file leads nowhere else. */
+static int is_file_name(const char *name)
+{
+    return *name && !strchr(name, '/') && strcmp(name, ".") && strcmp(name, "..");
+}
+
+static int not_readable(const char *path)
+{
+    return error_input("%s: its list of inputs is not readable: make the file again", path);
+}
+
 static int verify_input(struct verify *verify, const char *path, const char *name, const char *recorded)
 {
     char *raw = strdup(name); /* the file's own name, docs/files.md */
     if (!raw)
         return error_memory("the name of an input");
     text_unescape(raw);
+    if (!is_file_name(raw)) {
+        free(raw);
+        return not_readable(path);
+    }
     char *input = find_input(verify, path, raw);
     free(raw);
     const char *digest = input && !access(input, R_OK) ? digest_of(verify, input) : "";
@@ -113,22 +135,13 @@ static int verify_input(struct verify *verify, const char *path, const char *nam
     return digest ? 0 : error_context("%s", path);
 }
 
-/* Files record bare names. A stranger's file leads nowhere else, and writes nothing but letters on the terminal. */
-static int is_file_name(const char *name)
-{
-    for (const unsigned char *c = (const unsigned char *)name; *c; c++)
-        if (*c == '/' || *c < 0x20 || *c == 0x7f || (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0))
-            return 0;
-    return *name && strcmp(name, ".") && strcmp(name, "..");
-}
-
 static int verify_item(struct verify *verify, const char *path, const struct json *json, const cJSON *input)
 {
     const char *name = NULL, *part = NULL, *recorded = NULL;
     verify->count.inputs++;
     if (!cJSON_IsObject(input) || json_string(json, input, "name", &name) != 1 ||
-        json_string(json, input, "sha256", &recorded) != 1 || !is_file_name(name))
-        return error_input("%s: its list of inputs is not readable: make the file again", path);
+        json_string(json, input, "sha256", &recorded) != 1)
+        return not_readable(path);
     return json_string(json, input, "part", &part) == 1 ? verify_part(verify, path, name, part, recorded)
                                                         : verify_input(verify, path, name, recorded);
 }
@@ -177,9 +190,7 @@ int verify_files(const struct scene *scene, char *const paths[], size_t count, F
     int result = 0;
     for (size_t k = 0; k < count && result == 0; k++)
         result = verify_file(&verify, paths[k]);
-    for (size_t k = 0; k < verify.known_count; k++)
-        free(verify.known[k].path);
-    free(verify.known);
+    tdestroy(verify.known, free);
     *found = verify.count;
     return result;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/number.h"
 
 enum { DIC = 13, CIRCLES = 4, COLUMNS_MAX = DIC, ROWS_MAX = 10000000 };
@@ -21,12 +22,14 @@ struct text {
 
 int original_is_text(const char *path)
 {
-    FILE *file = fopen(path, "r");
+    FILE *file = input_file_open(path, INPUT_FILE_TEXT);
     int first = ' ';
     while (file && (first == ' ' || first == '\t' || first == '\r' || first == '\n'))
         first = fgetc(file);
     if (file)
         fclose(file);
+    else
+        error_clear(); /* whoever reads it says so */
     return first >= '0' && first <= '9';
 }
 
@@ -106,9 +109,9 @@ static int read_lines(FILE *file, struct text *text)
 static int text_read(const char *path, struct text *text)
 {
     *text = (struct text){.path = path};
-    FILE *file = fopen(path, "r");
+    FILE *file = input_file_open(path, INPUT_FILE_TEXT);
     if (!file)
-        return error_input("%s: %s: check the path", path, strerror(errno));
+        return -1;
     int status = read_lines(file, text);
     fclose(file);
     if (!status && text->conf)
