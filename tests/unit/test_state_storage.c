@@ -2,9 +2,11 @@
  * memory that is not its own. And harmless files of other programs, which must be read. */
 #include "tests/check.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -271,6 +273,32 @@ static void test_long_text_said_to_be_short(void **unused)
     free(text);
 }
 
+/* Somebody else holds a lock: files are replaced whole, so it says nothing about this one. */
+static void test_locked(void **unused)
+{
+    (void)unused;
+    hid_t file = begin_file(), dataset = make_column(file, ROWS, NULL);
+    write_values(dataset);
+    end_file(file, dataset);
+    int other = open(path, O_RDWR);
+    assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
+    check_read();
+    close(other);
+}
+
+static void test_newer_version(void **unused)
+{
+    (void)unused;
+    hid_t file = begin_file(), dataset = make_column(file, ROWS, NULL);
+    write_values(dataset);
+    hid_t version = H5Aopen(file, "schema_version", H5P_DEFAULT);
+    const int64_t two = 2;
+    assert_true(H5Awrite(version, H5T_NATIVE_INT64, &two) >= 0);
+    H5Aclose(version);
+    end_file(file, dataset);
+    check_refused("schema_version 2 is newer than this program knows");
+}
+
 static void test_linked_methods(void **unused)
 {
     (void)unused;
@@ -295,7 +323,8 @@ int main(void)
         cmocka_unit_test(test_other_programs), cmocka_unit_test(test_short_chunks),
         cmocka_unit_test(test_other_filters),  cmocka_unit_test(test_never_written),
         cmocka_unit_test(test_absurd_chunk),   cmocka_unit_test(test_long_text_said_to_be_short),
-        cmocka_unit_test(test_linked_methods),
+        cmocka_unit_test(test_linked_methods), cmocka_unit_test(test_locked),
+        cmocka_unit_test(test_newer_version),
     };
     return cmocka_run_group_tests_name("state storage", tests, make_place, remove_place);
 }
