@@ -43,6 +43,27 @@ static char *output_path(const char *folder, const char *input)
     return path;
 }
 
+/* Each state has a file of its own to go to. */
+static int check_outputs(const struct series_request *request)
+{
+    int status = 0;
+    for (size_t k = 1; k < request->count && !status; k++) {
+        char *path = output_path(request->output, request->inputs[k]);
+        status = path ? 0 : -1;
+        for (size_t m = 0; m < k && !status; m++) {
+            char *other = output_path(request->output, request->inputs[m]);
+            if (!other)
+                status = -1;
+            else if (!strcmp(path, other))
+                status = error_input("%s: its forces would replace those of %s: rename one", request->inputs[k],
+                                     request->inputs[m]);
+            free(other);
+        }
+        free(path);
+    }
+    return status;
+}
+
 /* By the number of the photo; those without one as they stand on the command line. */
 static int compare_members(const void *a, const void *b)
 {
@@ -137,7 +158,9 @@ static int infer_members(const struct series_request *request, struct member *me
 {
     struct series_summary summary = {0};
     const struct packing **packings = calloc(request->count + 1, sizeof *packings);
-    int status = packings ? read_members(request, members) : error_memory("states");
+    int status = packings ? check_outputs(request) : error_memory("states");
+    if (!status)
+        status = read_members(request, members);
     for (size_t k = 0; k < request->count && !status; k++)
         packings[k] = &members[k].packing;
     if (!status &&

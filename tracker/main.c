@@ -20,12 +20,24 @@ static const struct argp_option option_list[] = {
     {"previous", KEY_PREVIOUS, "FILE", 0, "Tracks (or dic_out) of the photo before: where to look first", 0},
     {0}};
 
+static size_t stem_length(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && dot > name ? (size_t)(dot - name) : strlen(name);
+}
+
+static int same_stem(const char *a, const char *b)
+{
+    const char *x = basename(a), *y = basename(b);
+    return stem_length(x) == stem_length(y) && !strncmp(x, y, stem_length(x));
+}
+
 /* Tracks are named after their photos: two of one name would be one file. */
 static void check_names(const struct argp_state *state, const struct cli_inputs *photos)
 {
     for (size_t k = 1; k < photos->count; k++)
         for (size_t m = 0; m < k; m++)
-            if (!strcmp(basename(photos->paths[k]), basename(photos->paths[m])))
+            if (same_stem(photos->paths[k], photos->paths[m]))
                 argp_error(state,
                            "%s has the name of %s, and its tracks would replace those: rename one, or track it "
                            "alone",
