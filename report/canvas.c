@@ -52,6 +52,7 @@ static cairo_status_t append(void *closure, const unsigned char *data, unsigned 
     if (bytes->length + length > bytes->capacity) {
         size_t capacity = 2 * bytes->capacity + length + 4096;
         unsigned char *grown = realloc(bytes->data, capacity);
+        bytes->failed |= !grown;
         if (!grown)
             return CAIRO_STATUS_NO_MEMORY;
         bytes->data = grown;
@@ -132,10 +133,11 @@ int canvas_commit(struct canvas *canvas)
     if (status == CAIRO_STATUS_SUCCESS)
         status = cairo_surface_status(canvas->surface);
     if (status == CAIRO_STATUS_SUCCESS && canvas->bytes)
-        status = write_bytes(canvas);
+        status = canvas->bytes->failed ? CAIRO_STATUS_NO_MEMORY : write_bytes(canvas);
     if (status != CAIRO_STATUS_SUCCESS) {
-        (void)error_failed("%s: cannot be written: %s: check the room on the disk", canvas->file.path,
-                           cairo_status_to_string(status));
+        (void)(status == CAIRO_STATUS_NO_MEMORY ? error_memory(canvas->file.path)
+                                                : error_failed("%s: cannot be written: %s: check the room on the disk",
+                                                               canvas->file.path, cairo_status_to_string(status)));
         canvas_discard(canvas);
         return -1;
     }
@@ -151,7 +153,7 @@ int canvas_take(struct canvas *canvas, unsigned char **data, size_t *length)
         status = cairo_surface_write_to_png_stream(canvas->surface, append, canvas->bytes);
     cairo_surface_finish(canvas->surface); /* SVG is written now */
     if (status == CAIRO_STATUS_SUCCESS)
-        status = cairo_surface_status(canvas->surface);
+        status = canvas->bytes->failed ? CAIRO_STATUS_NO_MEMORY : cairo_surface_status(canvas->surface);
     *data = canvas->bytes->data;
     *length = canvas->bytes->length;
     canvas->bytes->data = NULL;

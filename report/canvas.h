@@ -12,6 +12,7 @@ enum canvas_format { CANVAS_PNG, CANVAS_SVG, CANVAS_PDF };
 struct canvas_bytes {
     unsigned char *data;
     size_t length, capacity;
+    int failed; /* memory was out on the way: cairo does not tell when it writes a PDF */
 };
 
 struct canvas {
