@@ -260,8 +260,9 @@ static int write_runs(const struct options *o, const struct settle_result *quick
     int status = calibration_write(o->cli.output, object);
     if (!status && o->picture)
         status = draw(o->picture, quick, full);
-    return status ? status
-                  : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states did not come to rest");
+    return status
+               ? status
+               : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states did not come to rest");
 }
 
 static int run_simulated(const struct options *o)

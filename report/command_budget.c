@@ -45,7 +45,8 @@ static const struct argp_option option_list[] = {
 static const char documentation[] =
     "What error of the contact forces to expect, from the scale, the stiffness, the load and the errors of positions "
     "and radii: before anyone goes to the lab. Methods that use equilibrium (qsm, cdm, map) do better than these "
-    "numbers, which hold for each contact by itself; forces --method series does up to ten times better, when the photos "
+    "numbers, which hold for each contact by itself; forces --method series does up to ten times better, when the "
+    "photos "
     "are taken for it: photograph the packing nearly unloaded first (about 1 % of the load), then at several levels of "
     "load, then during the test every 1e-3 of strain or closer, over at least 5e-3 of strain. Photos between which no "
     "contact opens, closes or slips tell nothing new.\v"

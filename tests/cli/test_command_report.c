@@ -67,7 +67,7 @@ static void forces_are_compared(void **state)
     check_near(json_at(object, "stress_a_yy_N_per_m"), 1.1 * (450 / LATTICE_BOX - lost * 0.02 / 0.0036), 1e-6);
     check_near(json_at(object, "residual_max_over_fn") * json_at(object, "mean_fn_a_N"), 50, 1e-9);
     assert_true(cJSON_IsNull(cJSON_GetObjectItem(object, "r_ft"))); /* no force to correlate */
-    check_near(printed("F1 "), 2 * 23.0 / 47, 5e-5); /* four decimals for people */
+    check_near(printed("F1 "), 2 * 23.0 / 47, 5e-5);                /* four decimals for people */
     check_near(printed("<fn> of B, over loaded contacts "), all / 24, 1e-3);
     assert_non_null(strstr(command_out, "  -\n"));
     cJSON_Delete(object);
