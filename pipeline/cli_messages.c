@@ -47,10 +47,9 @@ FILE *cli_messages_begin(char *const argv[])
     return before;
 }
 
+/* The stream stays open: what was loaded in between (the C++ streams behind a profiler of OpenMP) may have kept it. */
 void cli_messages_end(FILE *before)
 {
-    FILE *stream = stderr;
+    fflush(stderr);
     stderr = before;
-    if (stream != before)
-        fclose(stream);
 }
