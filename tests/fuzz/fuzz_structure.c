@@ -72,11 +72,12 @@ static hid_t some_space(uint8_t kind, const uint8_t value[4])
     return H5Screate_simple(kind & 8 ? 1 : kind % 4, dims, NULL);
 }
 
-static hid_t some_storage(uint8_t kind, int rank)
+/* In at most 2^16 chunks: HDF5 walks over all of them when the next change takes the dataset away. */
+static hid_t some_storage(uint8_t kind, int rank, hssize_t points)
 {
     static const hsize_t chunks[4][3] = {{1, 1, 1}, {7, 7, 7}, {1 << 12, 1, 1}, {1 << 28, 2, 1}};
     hid_t storage = H5Pcreate(H5P_DATASET_CREATE);
-    if (rank > 0 && kind & 1)
+    if (rank > 0 && kind & 1 && points >= 0 && (hsize_t)points / chunks[kind >> 6][0] < 1 << 16)
         H5Pset_chunk(storage, rank, chunks[kind >> 6]);
     if (kind & 2)
         H5Pset_deflate(storage, 1);
@@ -93,7 +94,8 @@ static hid_t some_storage(uint8_t kind, int rank)
 static void put_dataset(hid_t file, const char *name, const struct change *change)
 {
     hid_t type = some_type(change->a), space = some_space(change->b, change->value);
-    hid_t storage = some_storage(change->value[3], H5Sget_simple_extent_ndims(space));
+    hid_t storage =
+        some_storage(change->value[3], H5Sget_simple_extent_ndims(space), H5Sget_simple_extent_npoints(space));
     hid_t data = H5Dcreate2(file, name, type, space, H5P_DEFAULT, storage, H5P_DEFAULT);
     hssize_t points = H5Sget_simple_extent_npoints(space);
     int small = !(change->value[3] & 1) || change->value[3] >> 6 < 3; /* HDF5 writes whole chunks */
