@@ -54,6 +54,22 @@ static enum force_start start_of(const char *text)
     return START_FILE;
 }
 
+/* What only the whole command line tells. */
+static void check_together(const struct argp_state *state, const struct arguments *arguments)
+{
+    if (arguments->inputs.count == 0)
+        argp_error(state, "which packing? Give N.contacts.hdf");
+    if (arguments->inputs.count > 1 && !arguments->series)
+        argp_error(state, "one packing at a time, not also %s; --method series takes many", arguments->inputs.paths[1]);
+    if (arguments->series && (arguments->walk > 0 || arguments->range || arguments->stability))
+        argp_error(state, "--walk, --range and --stability look at one packing: not with --method series");
+    if (arguments->series && (arguments->previous || arguments->start || arguments->fclib || arguments->fix >= 0))
+        argp_error(state, "--method series takes all states together, from their overlaps: name every file instead "
+                          "of --previous, --start, --fix or --fclib");
+    if (arguments->samples > 0 && arguments->walk > 0)
+        argp_error(state, "--samples and --walk both fill s_fn and fn_min: give one of them");
+}
+
 static error_t parse_option(int key, char *arg, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
@@ -101,18 +117,7 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case ARGP_KEY_ARG:
         return cli_inputs_add(&arguments->inputs, arg) ? ENOMEM : 0;
     case ARGP_KEY_END:
-        if (arguments->inputs.count == 0)
-            argp_error(state, "which packing? Give N.contacts.hdf");
-        if (arguments->inputs.count > 1 && !arguments->series)
-            argp_error(state, "one packing at a time, not also %s; --method series takes many",
-                       arguments->inputs.paths[1]);
-        if (arguments->series && (arguments->walk > 0 || arguments->range || arguments->stability))
-            argp_error(state, "--walk, --range and --stability look at one packing: not with --method series");
-        if (arguments->series && (arguments->previous || arguments->start || arguments->fclib || arguments->fix >= 0))
-            argp_error(state, "--method series takes all states together, from their overlaps: name every file instead "
-                              "of --previous, --start, --fix or --fclib");
-        if (arguments->samples > 0 && arguments->walk > 0)
-            argp_error(state, "--samples and --walk both fill s_fn and fn_min: give one of them");
+        check_together(state, arguments);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -11,8 +11,8 @@
  * length_m), "index,corner,fx_N,fy_N" (hinge forces; each wall takes half of the two hinges at its ends; the fourth
  * follows from equilibrium). An empty cell is NaN. Unknown walls, indices that do not parse, or no row for this index:
  * an error with file and line. */
+int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls);
 /* Can the file be read, and has it rows for this photo? The same errors; walls are not looked at. */
 int loads_check(const char *path, int64_t index);
-int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls);
 
 #endif

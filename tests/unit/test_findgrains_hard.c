@@ -269,6 +269,24 @@ static void bevel_is_a_constant_bias(void **state)
     photo_free(&photo);
 }
 
+/* Circles that no photo holds: refused, and not measured. */
+static void refuses_absurd_circles(const struct photo *photo)
+{
+    const struct correction absurd[] = {{.x = 1e308, .y = 100, .radius = 5},
+                                        {.x = 100, .y = 100, .radius = 1e308},
+                                        {.x = 100, .y = 100, .radius = 1e9},
+                                        {.x = 100, .y = 100, .radius = 2000}};
+    for (size_t k = 0; k < sizeof absurd / sizeof *absurd; k++) {
+        struct correction item = absurd[k];
+        struct corrections corrections = {&item, 1, 1};
+        struct find_options options = FIND_OPTIONS_DEFAULT;
+        struct photo_grains grains = {0};
+        options.corrections = &corrections;
+        assert_int_equal(find_grains(photo, &options, &grains, NULL), -1);
+        assert_int_equal(error_status(), EXIT_INPUT);
+    }
+}
+
 /* A grain taken away by hand and put back, and the same grains measured again on another photo of them. */
 static void corrections_and_known_grains(void **state)
 {
@@ -304,16 +322,7 @@ static void corrections_and_known_grains(void **state)
     assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
 
-    const struct correction absurd[] = {{.x = 1e308, .y = 100, .radius = 5},
-                                        {.x = 100, .y = 100, .radius = 1e308},
-                                        {.x = 100, .y = 100, .radius = 1e9},
-                                        {.x = 100, .y = 100, .radius = 2000}};
-    for (size_t k = 0; k < sizeof absurd / sizeof *absurd; k++) {
-        items[0] = absurd[k];
-        corrections = (struct corrections){items, 1, 2};
-        assert_int_equal(find_grains(&photo, &options, &again, NULL), -1);
-        assert_int_equal(error_status(), EXIT_INPUT);
-    }
+    refuses_absurd_circles(&photo);
 
     options.corrections = NULL;
     for (size_t k = 0; k < count; k++)
