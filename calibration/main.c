@@ -2,8 +2,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "calibration/commands.h"
-#include "pipeline/error.h"
+#include "calibration/commands/calibration_commands.h"
+#include "pipeline/speak/error.h"
 
 static const struct command {
     const char *name, *full_name;

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "contacts/picture.h"
+#include "contacts/picture/network_picture.h"
 
 enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR, PICTURE };
 

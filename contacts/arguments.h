@@ -3,7 +3,7 @@
 #define CONTACTS_ARGUMENTS_H
 
 #include "contacts/find_contacts.h"
-#include "pipeline/cli.h"
+#include "pipeline/command/cli.h"
 
 struct arguments {
     struct cli cli;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
 {

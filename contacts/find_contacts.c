@@ -2,14 +2,14 @@
 
 #include <stdlib.h>
 
-#include "contacts/contact_network.h"
-#include "contacts/loaded_overlaps.h"
-#include "contacts/radius_offset.h"
+#include "contacts/network/contact_network.h"
+#include "contacts/radii/loaded_overlaps.h"
+#include "contacts/radii/radius_offset.h"
 #include "contacts/si_grains.h"
-#include "contacts/stability.h"
-#include "contacts/state_motion.h"
-#include "pipeline/error.h"
-#include "pipeline/median.h"
+#include "contacts/network/standing.h"
+#include "contacts/motion/state_motion.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/median.h"
 
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
 #define WIDEST_OFFSET_PX 2.0

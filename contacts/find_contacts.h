@@ -3,10 +3,10 @@
 #ifndef CONTACTS_FIND_CONTACTS_H
 #define CONTACTS_FIND_CONTACTS_H
 
-#include "pipeline/lens.h"
-#include "pipeline/packing.h"
-#include "pipeline/patches.h"
-#include "pipeline/scene.h"
+#include "pipeline/scene/lens.h"
+#include "pipeline/packing/packing.h"
+#include "pipeline/packing/patches.h"
+#include "pipeline/scene/scene.h"
 
 struct contact_options {
     int radius_scale_auto, radius_offset_auto; /* 1: found from the photo; not both */

@@ -3,9 +3,9 @@
 
 #include "contacts/arguments.h"
 #include "contacts/files.h"
-#include "contacts/picture.h"
-#include "pipeline/error.h"
-#include "pipeline/loads.h"
+#include "contacts/picture/network_picture.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/loads.h"
 
 static int run(const struct arguments *arguments)
 {

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "contacts/find_contacts.h"
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 /* A number, or "auto". */
 static int number_or_auto(const struct json *json, const cJSON *section, const char *key, double min, double max,

@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-#include "contacts/average.h"
-#include "pipeline/error.h"
+#include "contacts/radii/average.h"
+#include "pipeline/speak/error.h"
 
 /* One optional photo-side column times a factor into a column of the new table. */
 static int copy_scaled(struct grains *grains, const char *name, double *const *to, const double *from, double factor)

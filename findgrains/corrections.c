@@ -1,7 +1,7 @@
 #include "findgrains/corrections.h"
 
-#include "pipeline/error.h"
-#include "pipeline/input_file.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/input_file.h"
 
 #include <errno.h>
 #include <math.h>

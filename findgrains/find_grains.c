@@ -1,10 +1,10 @@
 #include "findgrains/find_grains.h"
 
-#include "findgrains/detect.h"
-#include "findgrains/measure.h"
-#include "findgrains/rim_looks.h"
-#include "findgrains/rims_table.h"
-#include "pipeline/error.h"
+#include "findgrains/capture/detect.h"
+#include "findgrains/rims/measure.h"
+#include "findgrains/rims/rim_looks.h"
+#include "findgrains/rims/rims_table.h"
+#include "pipeline/speak/error.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,12 +3,12 @@
 #ifndef FINDGRAINS_FIND_GRAINS_H
 #define FINDGRAINS_FIND_GRAINS_H
 
-#include "pipeline/grains.h"
+#include "pipeline/packing/grains.h"
 #include "findgrains/corrections.h"
-#include "findgrains/find_frame.h"
-#include "pipeline/photo.h"
-#include "findgrains/threshold.h"
-#include "findgrains/zone.h"
+#include "findgrains/look/find_frame.h"
+#include "pipeline/scene/photo.h"
+#include "findgrains/look/threshold.h"
+#include "findgrains/look/zone.h"
 
 enum find_shape { FIND_SHAPE_AUTO, FIND_SHAPE_CIRCLE, FIND_SHAPE_ELLIPSE };
 

@@ -1,10 +1,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "pipeline/state.h"
-#include "findgrains/overlay.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/state/state.h"
+#include "findgrains/picture/overlay.h"
 #include "findgrains/settings.h"
 
 static const char doc[] =

@@ -1,7 +1,7 @@
 #include "findgrains/settings.h"
 
-#include "pipeline/error.h"
-#include "pipeline/lens.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/lens.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef FINDGRAINS_SETTINGS_H
 #define FINDGRAINS_SETTINGS_H
 
-#include "pipeline/scene.h"
+#include "pipeline/scene/scene.h"
 #include "findgrains/find_grains.h"
 
 /* From grains.radius_px, frame (through the lens) and findgrains.shape; leaves the corrections alone. */

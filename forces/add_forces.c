@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/fclib.h"
-#include "forces/network.h"
-#include "forces/range.h"
-#include "forces/stability.h"
-#include "forces/walk.h"
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "pipeline/stress.h"
+#include "forces/questions/fclib.h"
+#include "forces/network/network.h"
+#include "forces/questions/range.h"
+#include "forces/questions/buckling.h"
+#include "forces/questions/walk.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/stress.h"
 
 /* A new place for the forces of this method: an old result of the same name gives way. */
 static struct forces *make_room(struct packing *packing, enum force_method method)

@@ -6,10 +6,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "forces/series_options.h"
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "pipeline/new_file.h"
+#include "forces/series/series_options.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/new_file.h"
 
 /* One state and where it comes from. */
 struct member {

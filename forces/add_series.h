@@ -3,8 +3,8 @@
 #define FORCES_ADD_SERIES_H
 
 #include "forces/infer_forces.h"
-#include "forces/series.h"
-#include "pipeline/scene.h"
+#include "forces/series/series.h"
+#include "pipeline/scene/scene.h"
 
 struct series_request {
     const struct scene *scene;

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/certificate.h"
-#include "forces/elastic.h"
-#include "forces/sample.h"
-#include "pipeline/error.h"
-#include "pipeline/stress.h"
+#include "forces/questions/certificate.h"
+#include "forces/network/elastic.h"
+#include "forces/questions/force_samples.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/stress.h"
 
 #define MAP_MARGIN 0.01 /* no contact law is better known: LEAST_SLACK of evidence.c */
 #define DOUBTFUL 0.01   /* <fn>: more left than that may be the network's fault and not the method's */

@@ -2,8 +2,8 @@
 #ifndef FORCES_INFER_FORCES_H
 #define FORCES_INFER_FORCES_H
 
-#include "pipeline/contact_law.h"
-#include "pipeline/packing.h"
+#include "pipeline/laws/contact_law.h"
+#include "pipeline/packing/packing.h"
 
 enum force_method { METHOD_CEM, METHOD_CDM, METHOD_QSM, METHOD_MAP, METHOD_COUNT };
 extern const char *const FORCE_METHODS[]; /* names in that order, then NULL */
@@ -25,9 +25,9 @@ struct force_options {
     double tolerance;               /* largest unbalanced component over <fn> */
     int iterations;                 /* limit; 0: the method's own */
     int samples;                    /* map: draws for s_fn, s_ft and the 90 % interval; 0: none, else 2 or more */
-    int walk;                       /* jumps of a random walk after the estimate; 0: none (forces/walk.h) */
-    const char *range;              /* contacts whose fn_low and fn_high are wanted; NULL: none (forces/range.h) */
-    int stability;                  /* 1: the smallest eigenvalue of K is wanted (forces/stability.h) */
+    int walk;                       /* jumps of a random walk after the estimate; 0: none (forces/questions/walk.h) */
+    const char *range; /* contacts whose fn_low and fn_high are wanted; NULL: none (forces/questions/range.h) */
+    int stability;     /* 1: the smallest eigenvalue of K is wanted (forces/questions/buckling.h) */
     /* cdm */
     double relaxation; /* 1: Gauss-Seidel; up to 1.5 */
     double thickness;  /* graph thickness: relative velocity below which a contact is left alone, in <fn> / mean mass */

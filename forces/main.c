@@ -6,9 +6,9 @@
 
 #include "forces/add_forces.h"
 #include "forces/add_series.h"
-#include "forces/series_options.h"
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
+#include "forces/series/series_options.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
 
 struct arguments {
     struct cli cli;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 static int method_number(const char *text, size_t length)
 {

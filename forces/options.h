@@ -3,7 +3,7 @@
 #define FORCES_OPTIONS_H
 
 #include "forces/infer_forces.h"
-#include "pipeline/scene.h"
+#include "pipeline/scene/scene.h"
 
 /* Which methods, in which order; a list like "cem,qsm". */
 struct method_list {

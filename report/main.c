@@ -2,8 +2,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "report/commands.h"
+#include "pipeline/speak/error.h"
+#include "report/commands/report_commands.h"
 
 static const struct command {
     const char *name, *full_name;

@@ -1,10 +1,10 @@
 /* render: the photo of a virtual packing, and what is exactly where in it. */
 #include <stdlib.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "simulation/render.h"
-#include "simulation/render_truth.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "simulation/render/render.h"
+#include "simulation/render/render_truth.h"
 
 const char *argp_program_bug_address = NULL;
 

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "pipeline/error.h"
-#include "pipeline/new_file.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/new_file.h"
 
 static const char LOADS_HEADER[] = "index,wall,fx_N,fy_N\n";
 static const char SUMMARY_HEADER[] =

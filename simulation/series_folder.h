@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
-#include "pipeline/progress.h"
-#include "simulation/simulate.h"
+#include "pipeline/speak/progress.h"
+#include "simulation/dem/simulate.h"
 
 struct series_folder {
     const char *path;       /* borrowed */

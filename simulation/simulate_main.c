@@ -1,10 +1,10 @@
 /* simulate: a loading test on a virtual packing. */
 #include <stdlib.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
 #include "simulation/series_folder.h"
-#include "simulation/simulate_scene.h"
+#include "simulation/dem/simulate_scene.h"
 
 static const char doc[] =
     "Simulate a loading test on a packing of rods seen from their end: discs with springs, dashpots and Coulomb "

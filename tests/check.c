@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 void check_near_at(double value, double expected, double tolerance, const char *text, const char *file, int line)
 {

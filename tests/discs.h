@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "pipeline/photo.h"
+#include "pipeline/scene/photo.h"
 
 struct disc {
     double x, y, radius; /* px */

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/photo.h"
-#include "pipeline/random.h"
+#include "pipeline/scene/photo.h"
+#include "pipeline/numbers/random.h"
 
 /* A speckle pattern within `radius` of its centre. */
 struct dots {

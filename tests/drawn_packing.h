@@ -5,8 +5,8 @@
 #include "tests/check.h"
 #include "tests/dots.h"
 
-#include "tracker/motion.h"
-#include "tracker/track_grains.h"
+#include "tracker/follow/rigid_motion.h"
+#include "tracker/follow/track_grains.h"
 
 enum { COLUMNS = 5, ROWS = 4, COUNT = COLUMNS * ROWS, WIDTH = 420, HEIGHT = 360 };
 static const double degree = 3.141592653589793 / 180, radius = 27;

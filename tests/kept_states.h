@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "simulation/simulate.h"
+#include "simulation/dem/simulate.h"
 
 struct kept_states {
     struct packing *packing;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "simulation/render.h"
+#include "simulation/render/render.h"
 
 static const double PI = 3.14159265358979323846;
 

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "calibration/press_series.h"
-#include "pipeline/random.h"
-#include "simulation/render.h"
-#include "tracker/track_grains.h"
+#include "calibration/rods/press_series.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/render/render.h"
+#include "tracker/follow/track_grains.h"
 
 enum { ROD_PHOTOS = 40 };
 

@@ -1,8 +1,8 @@
 #include <errno.h>
 #include <string.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
 #include "tracker/track_series.h"
 
 struct options {

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/input_file.h"
-#include "pipeline/number.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/input_file.h"
+#include "pipeline/files/number.h"
 
 enum { DIC = 13, CIRCLES = 4, COLUMNS_MAX = DIC, ROWS_MAX = 10000000 };
 

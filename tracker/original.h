@@ -8,7 +8,7 @@
 #ifndef TRACKER_ORIGINAL_H
 #define TRACKER_ORIGINAL_H
 
-#include "pipeline/grains.h"
+#include "pipeline/packing/grains.h"
 
 /* Does the file begin with a digit, as both do? A state file does not. */
 int original_is_text(const char *path);

@@ -6,10 +6,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "pipeline/json.h"
-#include "pipeline/state.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
+#include "pipeline/state/state.h"
+#include "pipeline/files/sha256.h"
 #include "tracker/original.h"
 #include "tracker/tracker_options.h"
 

@@ -2,7 +2,7 @@
 #ifndef TRACKER_TRACK_SERIES_H
 #define TRACKER_TRACK_SERIES_H
 
-#include "tracker/track_grains.h"
+#include "tracker/follow/track_grains.h"
 
 struct series_paths {
     const char *grains, *reference;

@@ -1,6 +1,6 @@
 #include "tracker/tracker_options.h"
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 int tracker_options_read(const struct scene *scene, struct tracker_options *options)
 {

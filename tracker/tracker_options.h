@@ -3,7 +3,7 @@
 #ifndef TRACKER_TRACKER_OPTIONS_H
 #define TRACKER_TRACKER_OPTIONS_H
 
-#include "tracker/track_grains.h"
+#include "tracker/follow/track_grains.h"
 
 /* The rectangles stay the scene's; the lens, a file of its own, is not read here. */
 int tracker_options_read(const struct scene *scene, struct tracker_options *options);

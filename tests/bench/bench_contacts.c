@@ -19,9 +19,9 @@
 #include "contacts/find_contacts.h"
 #include "forces/infer_forces.h"
 #include "network_score.h"
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/simulate.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/dem/simulate.h"
 
 #define SCATTER 0.25 /* of the stated errors, in their logarithm */
 

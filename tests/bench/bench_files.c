@@ -14,10 +14,10 @@
 
 #include <tiffio.h>
 
-#include "pipeline/error.h"
-#include "pipeline/packing.h"
-#include "pipeline/photo.h"
-#include "pipeline/random.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/packing.h"
+#include "pipeline/scene/photo.h"
+#include "pipeline/numbers/random.h"
 
 static FILE *json;
 

@@ -17,13 +17,13 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#include "findgrains/detect.h"
+#include "findgrains/capture/detect.h"
 #include "findgrains/find_grains.h"
-#include "findgrains/measure.h"
-#include "findgrains/rims_table.h"
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/render.h"
+#include "findgrains/rims/measure.h"
+#include "findgrains/rims/rims_table.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/render/render.h"
 #include "tests/bench/find_score.h"
 #include "tests/bench/packed.h"
 #include "tests/bench/peers.h"

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/force_tables.h"
 
 struct force_options bench_options(void)

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "calibration/friction.h"
-#include "pipeline/error.h"
+#include "calibration/rods/friction.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/force_states.h"
 
 /* px at 6e-5 m/px in units of the overlap, with <fn> = 66 N and kn = 1e7 N/m. */

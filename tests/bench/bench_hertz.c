@@ -13,10 +13,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "calibration/hertz.h"
-#include "calibration/hertz_probes.h"
-#include "calibration/lammps_probes.h"
-#include "pipeline/error.h"
+#include "calibration/hertz/hertz.h"
+#include "calibration/hertz/hertz_probes.h"
+#include "calibration/hertz/lammps_probes.h"
+#include "pipeline/speak/error.h"
 
 static const double TARGET = 1e10, PRESSURE = 1e6; /* N/m: per metre of rod */
 

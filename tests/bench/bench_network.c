@@ -15,7 +15,7 @@
 #include "contacts/files.h"
 #include "contacts/find_contacts.h"
 #include "network_score.h"
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 enum { INJECTED = 5 };
 static const double injected_px[INJECTED] = {0, -0.3, -0.1, 0.1, 0.3};

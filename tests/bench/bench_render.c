@@ -5,9 +5,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/render.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/render/render.h"
 
 /* Rods of the real grading's mean size on a hexagonal lattice, as many as fit the frame. */
 static int fill_lattice(struct photo_grains *grains, int width, int height, size_t count)

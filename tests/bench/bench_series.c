@@ -9,7 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/series_case.h"
 
 #define KN 1.09e7 /* of series_states */

@@ -13,11 +13,11 @@
 #include <string.h>
 #include <time.h>
 
-#include "calibration/settle_loop.h"
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/loading.h"
-#include "simulation/placement.h"
+#include "calibration/settlement/settle_loop.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/dem/loading.h"
+#include "simulation/dem/placement.h"
 
 static struct grade grading[3];
 

@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/fclib.h"
-#include "forces/method.h"
-#include "pipeline/error.h"
+#include "forces/questions/fclib.h"
+#include "forces/methods/method.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/force_states.h"
 
 #ifdef HAVE_SICONOS

@@ -9,10 +9,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/motion.h"
-#include "simulation/simulate.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/dem/dem_motion.h"
+#include "simulation/dem/simulate.h"
 
 struct row {
     double kappa, mu, restitution; /* of the preparation */

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "calibration/stiffness.h"
-#include "pipeline/error.h"
+#include "calibration/rods/stiffness.h"
+#include "pipeline/speak/error.h"
 #include "tests/pressed_rods.h"
 
 struct sums {

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/thesis.h"
 
 static const struct figure *const CHAPTERS[] = {FIGURES_THREE_DISCS, FIGURES_THREE_PATHS, FIGURES_STARTS,

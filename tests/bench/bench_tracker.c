@@ -7,10 +7,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/dots.h"
-#include "tracker/icgn.h"
-#include "tracker/kernel.h"
+#include "tracker/search/icgn.h"
+#include "tracker/subset/kernel.h"
 
 static const double degree = 3.141592653589793 / 180;
 static const uint64_t seed = 77000000;

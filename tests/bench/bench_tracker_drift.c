@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pipeline/progress.h"
+#include "pipeline/speak/progress.h"
 #include "tests/bench/stamped.h"
-#include "tracker/track_grains.h"
+#include "tracker/follow/track_grains.h"
 
 enum { COLUMNS = 8, ROWS = 6, COUNT = COLUMNS * ROWS, PAPERS = 4, SIDE = 400 };
 static const double radius = 100, noise = 0.01, degree = 3.141592653589793 / 180;

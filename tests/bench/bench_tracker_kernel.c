@@ -4,8 +4,8 @@
 #include <time.h>
 
 #include "tests/dots.h"
-#include "tracker/kernel.h"
-#include "pipeline/simd.h"
+#include "tracker/subset/kernel.h"
+#include "pipeline/numbers/simd.h"
 
 static double cpu_seconds(void)
 {

@@ -11,9 +11,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pipeline/progress.h"
+#include "pipeline/speak/progress.h"
 #include "tests/bench/stamped.h"
-#include "tracker/track_grains.h"
+#include "tracker/follow/track_grains.h"
 
 enum { COLUMNS = 50, ROWS = 37, COUNT = COLUMNS * ROWS, PITCH = 206 };
 static const double radius = 100, noise = 0.01;

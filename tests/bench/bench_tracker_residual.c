@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/progress.h"
-#include "pipeline/state.h"
-#include "tracker/kernel.h"
-#include "tracker/track_grains.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/speak/progress.h"
+#include "pipeline/state/state.h"
+#include "tracker/subset/kernel.h"
+#include "tracker/follow/track_grains.h"
 
 struct figures {
     double residual, contrast, lag, slope_x, slope_y, slope_square;

@@ -10,11 +10,11 @@
 #include <string.h>
 #include <time.h>
 
-#include "pipeline/error.h"
-#include "pipeline/progress.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/speak/progress.h"
 #include "tests/dots.h"
-#include "tracker/motion.h"
-#include "tracker/track_grains.h"
+#include "tracker/follow/rigid_motion.h"
+#include "tracker/follow/track_grains.h"
 
 static const double degree = 3.141592653589793 / 180;
 enum { COLUMNS = 6, ROWS = 5, COUNT = COLUMNS * ROWS };

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "pipeline/grains.h"
+#include "pipeline/packing/grains.h"
 
 /* RMS errors, px; overlap: of true contacts along the branch; ratio: error over stated standard error; bound:
  * Cramer-Rao for the visible rim, grey levels known. */

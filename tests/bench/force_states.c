@@ -5,9 +5,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "pipeline/error.h"
-#include "pipeline/random.h"
-#include "simulation/simulate.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
+#include "simulation/dem/simulate.h"
 
 int packing_copy(const struct packing *from, struct packing *to)
 {

@@ -3,7 +3,7 @@
 #define BENCH_FORCE_STATES_H
 
 #include "forces/infer_forces.h"
-#include "pipeline/packing.h"
+#include "pipeline/packing/packing.h"
 
 /* Saved states of one virtual test with the grading of the thesis (Table 4.1), kn = kt = 1.09e7 N/m, mu = 0.5. */
 struct states {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/random.h"
+#include "pipeline/numbers/random.h"
 
 static int disturbed(const struct bench *bench, const struct packing *truth, const char *label, double place,
                      double radius, int network)

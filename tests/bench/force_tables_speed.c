@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/range.h"
-#include "forces/stability.h"
+#include "forces/questions/range.h"
+#include "forces/questions/buckling.h"
 
 /* One line per method, start and variant: iterations and CPU seconds to each residual, r at the last that was reached.
  * A residual that was not reached is followed by none that is smaller. */

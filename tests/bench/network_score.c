@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 #define CARRYING 0.01 /* of the mean overlap */
 

@@ -8,7 +8,7 @@
 #ifndef BENCH_NETWORK_SCORE_H
 #define BENCH_NETWORK_SCORE_H
 
-#include "pipeline/contacts.h"
+#include "pipeline/packing/contacts.h"
 
 struct scored_pair {
     double overlap, probability; /* as measured and stated */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "simulation/simulate.h"
+#include "simulation/dem/simulate.h"
 
 #define PX_PER_M (67 / 4e-3)
 #define BORDER 60.0 /* px */

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "pipeline/grains.h"
+#include "pipeline/packing/grains.h"
 
 /* Fills the empty table (x_px y_px radius_px angle shape_c shape_s) with about `count` grains and the photo's size. */
 int packed_grains(uint64_t seed, long count, struct photo_grains *grains, int *width, int *height);

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/random.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
 
 #define OVERLAP_PX 0.11 /* of <fn> */
 

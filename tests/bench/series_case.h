@@ -4,7 +4,7 @@
 #define BENCH_SERIES_CASE_H
 
 #include "forces/infer_forces.h"
-#include "forces/series.h"
+#include "forces/series/series.h"
 
 enum { SERIES_CASE_STATES = 64 };
 

@@ -3,9 +3,9 @@
 #ifndef TESTS_BENCH_STAMPED_H
 #define TESTS_BENCH_STAMPED_H
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/dots.h"
-#include "tracker/motion.h"
+#include "tracker/follow/rigid_motion.h"
 
 enum { FULL_WIDTH = 10320, FULL_HEIGHT = 7752 };
 

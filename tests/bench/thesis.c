@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "report/canvas.h"
-#include "report/map.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/draw/canvas.h"
+#include "report/pictures/force_map.h"
 
 void thesis_line(struct thesis *thesis, const char *format, ...)
 {

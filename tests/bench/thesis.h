@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "report/chart.h"
+#include "pipeline/draw/chart.h"
 #include "tests/bench/force_states.h"
 
 struct thesis {

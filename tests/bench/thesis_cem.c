@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/thesis.h"
 
 #define SMALLEST 5e-5 /* strain; the thesis has 2e-5 */

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/method.h"
-#include "pipeline/error.h"
+#include "forces/methods/method.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/thesis.h"
 
 enum { STEPS = 16, STATES = STEPS + 1 };

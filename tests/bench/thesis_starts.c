@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/random.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/numbers/random.h"
 #include "tests/bench/thesis.h"
 
 static const double KAPPAS[] = {100, 1000, 10000};

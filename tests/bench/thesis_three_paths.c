@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/three_discs.h"
 
 enum { STARTS = 1000 };

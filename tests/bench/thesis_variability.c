@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/range.h"
-#include "forces/walk.h"
-#include "pipeline/error.h"
+#include "forces/questions/range.h"
+#include "forces/questions/walk.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/thesis.h"
 
 enum { STEPS = 16, STATES = STEPS + 1, JUMPS = 200 };

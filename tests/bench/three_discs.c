@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/method.h"
-#include "pipeline/random.h"
+#include "forces/methods/method.h"
+#include "pipeline/numbers/random.h"
 
 static const double HALF = 0.70710678118654752440; /* sin 45 = cos 45 */
 

@@ -3,7 +3,7 @@
 #ifndef BENCH_TILES_H
 #define BENCH_TILES_H
 
-#include "pipeline/packing.h"
+#include "pipeline/packing/packing.h"
 
 /* k x k copies of `tile`, with its forces "dem"; overlaps are those that give the forces. */
 int tiles_mirrored(const struct packing *tile, size_t k, struct packing *packing);

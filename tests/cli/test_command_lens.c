@@ -9,7 +9,7 @@
 
 enum { WIDTH = 480, HEIGHT = 360, TAKEN = 4, ACROSS = 17, DOWN = 13 };
 
-/* The formula of pipeline/lens.h, written again. */
+/* The formula of pipeline/scene/lens.h, written again. */
 struct brown {
     double x, y, k[3], p[3];
 };

@@ -6,7 +6,7 @@
 #include <cairo.h>
 #include <stdio.h>
 
-#include "pipeline/photo.h"
+#include "pipeline/scene/photo.h"
 
 /* ---- inputs ---- */
 

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/json.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 #include "tests/fuzz/target.h"
 
 static void demand(int truth)

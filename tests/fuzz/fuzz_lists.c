@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/press_series.h"
-#include "calibration/probe_record.h"
+#include "calibration/rods/press_series.h"
+#include "calibration/hertz/probe_record.h"
 #include "findgrains/corrections.h"
-#include "pipeline/error.h"
-#include "pipeline/lens.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/lens.h"
 #include "tests/fuzz/target.h"
 
 static void demand(int truth)

@@ -1,7 +1,7 @@
 /* Text files of the original programs: grains and earlier motions, read or refused with one line. */
 #include <stdlib.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/fuzz/target.h"
 #include "tracker/original.h"
 

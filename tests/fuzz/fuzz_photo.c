@@ -1,8 +1,8 @@
 /* A photo is read whole or refused with one line; nothing is printed, no more memory is taken than the limit says. */
 #include <stdlib.h>
 
-#include "pipeline/error.h"
-#include "pipeline/photo.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/photo.h"
 #include "tests/fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

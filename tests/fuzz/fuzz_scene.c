@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "pipeline/error.h"
-#include "pipeline/scene.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/scene.h"
 #include "tests/fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

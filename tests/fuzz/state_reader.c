@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/packing.h"
-#include "pipeline/patches.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/packing.h"
+#include "pipeline/packing/patches.h"
 
 /* HDF5 1.10.8 itself keeps blocks when it meets damaged metadata. */
 const char *__lsan_default_suppressions(void);

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "simulation/render.h"
+#include "simulation/render/render.h"
 
 #define SAMPLE FILM_SOURCE_DIR "/sample_images"
 

@@ -8,8 +8,8 @@
 
 #include "contacts/find_contacts.h"
 #include "findgrains/find_grains.h"
-#include "pipeline/state.h"
-#include "simulation/render.h"
+#include "pipeline/state/state.h"
+#include "simulation/render/render.h"
 
 #define SAMPLE FILM_SOURCE_DIR "/sample_images/"
 

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pipeline/packing.h"
+#include "pipeline/packing/packing.h"
 
 enum { PHOTOS = 5 };
 #define OUTPUT FILM_BINARY_DIR "/sample"

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "pipeline/packing.h"
+#include "pipeline/packing/packing.h"
 #include "tests/check.h"
 
 static const char *const DISC_COLUMNS[] = {"x",      "y",      "radius", "mass",  "inertia",

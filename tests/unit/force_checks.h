@@ -8,7 +8,7 @@
 #include "tests/unit/discs.h"
 
 #include "forces/infer_forces.h"
-#include "simulation/simulate.h"
+#include "simulation/dem/simulate.h"
 
 #define KN 1.09e7
 

@@ -7,9 +7,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pipeline/cli.h"
-#include "pipeline/error.h"
-#include "pipeline/progress.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/speak/progress.h"
 
 struct options {
     struct cli cli;

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/chart.h"
-#include "pipeline/error.h"
+#include "calibration/commands/law_chart.h"
+#include "pipeline/speak/error.h"
 #include "tests/commands.h"
 
 static char *drawn(const struct chart_panel *panels, size_t count)

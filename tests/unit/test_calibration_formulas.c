@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#include "calibration/friction.h"
-#include "calibration/hertz.h"
-#include "pipeline/error.h"
+#include "calibration/rods/friction.h"
+#include "calibration/hertz/hertz.h"
+#include "pipeline/speak/error.h"
 
 static const double degree = 0.017453292519943295;
 

@@ -1,8 +1,8 @@
 /* Contact dynamics: the order of the contacts, threads, acceleration. */
 #include <omp.h>
 
-#include "forces/cdm_order.h"
-#include "forces/method.h"
+#include "forces/methods/cdm_order.h"
+#include "forces/methods/method.h"
 #include "tests/unit/force_checks.h"
 
 static int keep_state(const struct packing *packing, const struct simulation_state *state, void *user)

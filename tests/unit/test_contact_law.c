@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "pipeline/contact_law.h"
-#include "pipeline/error.h"
-#include "pipeline/forces.h"
+#include "pipeline/laws/contact_law.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/forces.h"
 
 static const struct contact_law law = {.kind = LAW_LINEAR, .kn = 1000, .kt_over_kn = 0.5, .mu = 0.4};
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "pipeline/contact_spring.h"
+#include "pipeline/laws/contact_spring.h"
 
 static const double PI = 3.141592653589793;
 /* Tolomeo and McDowell 2022: ballast. */

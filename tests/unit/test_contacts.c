@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "contacts/find_contacts.h"
-#include "contacts/holding.h"
-#include "contacts/picture.h"
-#include "pipeline/error.h"
+#include "contacts/network/holding.h"
+#include "contacts/picture/network_picture.h"
+#include "pipeline/speak/error.h"
 #include "tests/check.h"
 
 #define SCALE 1e-4 /* m per px */

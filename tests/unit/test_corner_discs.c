@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "simulation/dem.h"
+#include "pipeline/speak/error.h"
+#include "simulation/dem/dem.h"
 #include "simulation/series_folder.h"
-#include "simulation/simulate_scene.h"
+#include "simulation/dem/simulate_scene.h"
 
 enum { BOTTOM, RIGHT, TOP, LEFT, BOTTOM_LEFT, BOTTOM_RIGHT, TOP_RIGHT, TOP_LEFT, WALL_ROWS };
 static const double KN = 1e7, MU_WALL = 0.3, CORNER = 0.012;

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/packing.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/packing.h"
 
 /* HDF5 1.10.8 itself keeps a block when it meets a damaged file. */
 const char *__lsan_default_suppressions(void);

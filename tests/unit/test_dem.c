@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "simulation/motion.h"
+#include "simulation/dem/dem_motion.h"
 
 static const double PI = 3.141592653589793;
 static const struct servo HELD = {0};

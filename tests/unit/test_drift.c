@@ -2,8 +2,8 @@
 #include "tests/check.h"
 #include "tests/dots.h"
 
-#include "tracker/drift.h"
-#include "tracker/track_grains.h"
+#include "tracker/follow/drift.h"
+#include "tracker/follow/track_grains.h"
 
 static const double degree = 3.141592653589793 / 180;
 enum { PATCHES_MAX = 4 };

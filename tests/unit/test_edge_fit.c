@@ -1,7 +1,7 @@
 /* The edge of one blurred disc, without noise: the drawing knows nothing of the model that is fitted. */
 #include "tests/check.h"
 #include "tests/discs.h"
-#include "findgrains/refine_circle.h"
+#include "findgrains/rims/refine_circle.h"
 
 #include <math.h>
 

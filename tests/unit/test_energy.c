@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "simulation/motion.h"
+#include "simulation/dem/dem_motion.h"
 
 static const double PI = 3.141592653589793;
 enum { DISCS = 30 };

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/text.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/speak/text.h"
 
 static int ends_with(const char *text, const char *end)
 {

@@ -6,8 +6,8 @@
 
 #include <hdf5.h>
 
-#include "forces/fclib.h"
-#include "pipeline/error.h"
+#include "forces/questions/fclib.h"
+#include "pipeline/speak/error.h"
 #include "tests/unit/discs.h"
 
 static void read_numbers(hid_t file, const char *name, hid_t type, hsize_t expected, void *values)

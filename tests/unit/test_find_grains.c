@@ -2,7 +2,7 @@
 #include "tests/check.h"
 #include "tests/discs.h"
 #include "findgrains/find_grains.h"
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "tests/check.h"
 #include "tests/discs.h"
 #include "findgrains/find_grains.h"
-#include "pipeline/random.h"
+#include "pipeline/numbers/random.h"
 
 #include <math.h>
 #include <stdio.h>

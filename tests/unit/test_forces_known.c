@@ -3,8 +3,8 @@
 
 #include "tests/unit/discs.h"
 
-#include "forces/evidence.h"
-#include "pipeline/error.h"
+#include "forces/network/evidence.h"
+#include "pipeline/speak/error.h"
 
 static struct force_options options_with(double kn, double mu)
 {

@@ -1,8 +1,8 @@
 /* How far forces can differ at all: exact ranges and random walks against systems solved by hand, and each against the
  * other on a virtual packing. */
-#include "forces/range.h"
-#include "forces/walk.h"
-#include "pipeline/error.h"
+#include "forces/questions/range.h"
+#include "forces/questions/walk.h"
+#include "pipeline/speak/error.h"
 #include "tests/unit/force_checks.h"
 
 /* Thesis Fig. 2.11: discs 0 and 1 fixed, disc 2 on both, branches at `angle` to the vertical, P downwards. */

@@ -1,5 +1,5 @@
 /* Input that forces refuses, naming the row and what to do; and standard errors that are missing. */
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/unit/force_checks.h"
 
 static struct packing isotropic; /* kappa = 300 */

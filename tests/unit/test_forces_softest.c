@@ -2,7 +2,7 @@
  * motions, which is computed here grain by grain from the contact law alone. */
 #include "tests/unit/force_checks.h"
 
-#include "forces/stability.h"
+#include "forces/questions/buckling.h"
 
 static double smaller(double a, double b)
 {

@@ -3,8 +3,8 @@
  * a packing sheared by simulate. */
 #include "tests/unit/force_checks.h"
 
-#include "forces/network.h"
-#include "pipeline/stress.h"
+#include "forces/network/network.h"
+#include "pipeline/packing/stress.h"
 
 enum { ARM = 2, CHAIN = 2 * ARM + 1, DISCS = 4 * ARM + 1 };
 

@@ -7,11 +7,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/grains.h"
-#include "pipeline/scene.h"
-#include "pipeline/state.h"
-#include "report/found.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/grains.h"
+#include "pipeline/scene/scene.h"
+#include "pipeline/state/state.h"
+#include "report/compare/found.h"
 
 static char folder[] = "/tmp/test_found.XXXXXX", path[64], scene_path[64];
 

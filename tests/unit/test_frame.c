@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <stdio.h>
 
-#include "contacts/frame.h"
+#include "contacts/walls/frame.h"
 #include "tests/check.h"
 
 #define PX 1e-4 /* m */

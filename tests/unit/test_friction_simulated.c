@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "calibration/friction.h"
-#include "pipeline/error.h"
+#include "calibration/rods/friction.h"
+#include "pipeline/speak/error.h"
 #include "tests/kept_states.h"
 
 static const double DEGREE = 0.017453292519943295;

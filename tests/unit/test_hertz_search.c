@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "calibration/hertz_probes.h"
-#include "pipeline/error.h"
+#include "calibration/hertz/hertz_probes.h"
+#include "pipeline/speak/error.h"
 
 /* A smooth stand-in for a packing: E = 40 E*^(2/3) (1 - 0.3 nu*), nu = 0.1 + 0.4 nu*. */
 static int formula(struct hertz_trial *trials, size_t count, void *user)

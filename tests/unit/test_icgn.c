@@ -2,8 +2,8 @@
 #include "tests/check.h"
 #include "tests/dots.h"
 
-#include "tracker/icgn.h"
-#include "tracker/interpolate.h"
+#include "tracker/search/icgn.h"
+#include "tracker/subset/interpolate.h"
 
 static const double degree = 3.141592653589793 / 180;
 

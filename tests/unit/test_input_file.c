@@ -6,11 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/input_file.h"
-#include "pipeline/json.h"
-#include "pipeline/loads.h"
-#include "pipeline/state.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/input_file.h"
+#include "pipeline/files/json.h"
+#include "pipeline/packing/loads.h"
+#include "pipeline/state/state.h"
+#include "pipeline/files/sha256.h"
 
 static const char name[] = "test_input_file.tmp";
 

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/json.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 static struct json *parse(const char *text)
 {

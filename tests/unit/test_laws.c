@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "calibration/laws.h"
-#include "pipeline/error.h"
+#include "calibration/rods/laws.h"
+#include "pipeline/speak/error.h"
 
 static const struct grade GRADING[] = {{24, 0.024}, {24, 0.03}, {12, 0.04}};
 

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "pipeline/lens.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/lens.h"
 
 /* 8 px at the corners of a 10320 x 7752 photo. */
 static const struct lens LENS = {{5100, 3900}, {-2.6e-10 * 0.12, 3e-19, -2e-27}, {4e-9, -3e-9, 2e-9}};

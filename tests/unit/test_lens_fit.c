@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/lens_picture.h"
-#include "calibration/lens_plate.h"
-#include "calibration/scale.h"
-#include "pipeline/error.h"
+#include "calibration/commands/lens_picture.h"
+#include "calibration/lens/lens_plate.h"
+#include "calibration/rods/scale.h"
+#include "pipeline/speak/error.h"
 
 enum { ACROSS = 24, DOWN = 18, COUNT = ACROSS * DOWN, PHOTOS = 5, WIDTH = 10320, HEIGHT = 7752 };
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/contact_spring.h"
-#include "pipeline/error.h"
-#include "simulation/simulate.h"
+#include "pipeline/laws/contact_spring.h"
+#include "pipeline/speak/error.h"
+#include "simulation/dem/simulate.h"
 
 enum { MOST_STATES = 10 };
 static const double PI = 3.141592653589793;

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/loads.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/loads.h"
 
 static const char name[] = "test_loads.csv.tmp";
 

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "contacts/cell_list.h"
+#include "contacts/network/cell_list.h"
 #include "tests/check.h"
 
 struct discs {

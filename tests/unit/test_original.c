@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tracker/original.h"
 
 static const char *written(const char *name, const char *text)

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "findgrains/overlay.h"
-#include "findgrains/overlay_scale.h"
-#include "pipeline/error.h"
+#include "findgrains/picture/overlay.h"
+#include "findgrains/picture/overlay_scale.h"
+#include "pipeline/speak/error.h"
 
 enum { WIDTH = 150, HEIGHT = 100, ZOOM = 4 };
 static const uint32_t SKY = 0x56B4E9, VERMILLION = 0xD55E00, YELLOW = 0xF0E442, INK = 0x222222;

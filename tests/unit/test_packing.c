@@ -8,8 +8,8 @@
 
 #include <hdf5.h>
 
-#include "pipeline/error.h"
-#include "pipeline/packing.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/packing.h"
 
 static char folder[] = "/tmp/test_packing.XXXXXX";
 

@@ -14,8 +14,8 @@
 
 #include <tiffio.h>
 
-#include "pipeline/error.h"
-#include "pipeline/photo.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/photo.h"
 
 static char folder[] = "/tmp/test_photo.XXXXXX";
 enum { WIDTH = 70, HEIGHT = 53 };

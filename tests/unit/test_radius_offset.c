@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "contacts/candidates.h"
-#include "contacts/loaded_overlaps.h"
-#include "contacts/radius_offset.h"
+#include "contacts/network/near_pairs.h"
+#include "contacts/radii/loaded_overlaps.h"
+#include "contacts/radii/radius_offset.h"
 #include "tests/check.h"
 
 enum { SIDE = 22 };

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "simulation/render.h"
-#include "simulation/render_truth.h"
+#include "pipeline/speak/error.h"
+#include "simulation/render/render.h"
+#include "simulation/render/render_truth.h"
 
 static const double PI = 3.14159265358979323846;
 

@@ -6,20 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "report/budget.h"
-#include "report/canvas.h"
-#include "report/chart.h"
-#include "report/compare.h"
-#include "report/distribution.h"
-#include "report/export.h"
-#include "report/export_series.h"
-#include "report/film.h"
-#include "report/html.h"
-#include "report/map.h"
-#include "report/match.h"
-#include "report/page.h"
-#include "report/photo_map.h"
+#include "pipeline/speak/error.h"
+#include "report/compare/budget.h"
+#include "pipeline/draw/canvas.h"
+#include "pipeline/draw/chart.h"
+#include "report/compare/compare.h"
+#include "report/states/distribution.h"
+#include "report/export/export.h"
+#include "report/export/export_series.h"
+#include "report/pictures/movie.h"
+#include "report/page/html.h"
+#include "report/pictures/force_map.h"
+#include "report/compare/match.h"
+#include "report/page/page.h"
+#include "report/pictures/photo_map.h"
 
 /* ---- matching ---- */
 

@@ -7,13 +7,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "report/canvas.h"
-#include "report/compare.h"
-#include "report/film.h"
-#include "report/map.h"
-#include "report/method.h"
-#include "report/page.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/draw/canvas.h"
+#include "report/compare/compare.h"
+#include "report/pictures/movie.h"
+#include "report/pictures/force_map.h"
+#include "report/states/method_choice.h"
+#include "report/page/page.h"
 
 static char folder[] = "/tmp/test_report_maps.XXXXXX";
 

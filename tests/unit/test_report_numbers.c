@@ -8,12 +8,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "report/figures.h"
-#include "report/histogram.h"
-#include "report/indeterminacy.h"
-#include "report/page.h"
-#include "report/picture.h"
-#include "report/quantiles.h"
+#include "report/compare/figures.h"
+#include "report/pictures/histogram.h"
+#include "report/states/indeterminacy.h"
+#include "report/page/page.h"
+#include "report/pictures/page_picture.h"
+#include "report/states/quantiles.h"
 
 static char folder[] = "/tmp/test_report_numbers.XXXXXX";
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "calibration/rescale.h"
-#include "pipeline/error.h"
+#include "calibration/rods/rescale.h"
+#include "pipeline/speak/error.h"
 #include "tests/kept_states.h"
 
 static const struct grade GRADING[] = {{60, 8e-3}, {40, 12e-3}};

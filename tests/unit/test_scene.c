@@ -8,9 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "pipeline/pattern.h"
-#include "pipeline/scene.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/files/pattern.h"
+#include "pipeline/scene/scene.h"
 
 static char folder[] = "test_scene_XXXXXX";
 static char file_name[64];

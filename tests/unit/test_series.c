@@ -2,7 +2,7 @@
 #include <omp.h>
 #include <string.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 #include "tests/bench/force_states.h"
 #include "tests/bench/series_case.h"
 #include "tests/check.h"

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "simulation/series_folder.h"
-#include "simulation/simulate_scene.h"
+#include "simulation/dem/simulate_scene.h"
 
 static const char SCENE[] =
     "{\"schema\": \"film.scene/1\", \"name\": \"test\",\n"

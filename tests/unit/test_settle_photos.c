@@ -8,12 +8,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "calibration/settle_series.h"
-#include "pipeline/state.h"
-#include "simulation/loading.h"
-#include "simulation/placement.h"
-#include "simulation/render.h"
-#include "tracker/track_grains.h"
+#include "calibration/settlement/settle_series.h"
+#include "pipeline/state/state.h"
+#include "simulation/dem/loading.h"
+#include "simulation/dem/placement.h"
+#include "simulation/render/render.h"
+#include "tracker/follow/track_grains.h"
 
 enum { GRAINS_A = 8, GRAINS_B = 6, COUNT = GRAINS_A + GRAINS_B, CYCLES = 3, PER = 4, PHOTOS = CYCLES * PER + 1 };
 static const double SCALE = 1.6e-4; /* m/px: radii of 25 and 37 px */

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/settle_loop.h"
-#include "calibration/settle_series.h"
-#include "pipeline/error.h"
-#include "simulation/loading.h"
-#include "simulation/placement.h"
+#include "calibration/settlement/settle_loop.h"
+#include "calibration/settlement/settle_series.h"
+#include "pipeline/speak/error.h"
+#include "simulation/dem/loading.h"
+#include "simulation/dem/placement.h"
 
 static void trends_find_their_numbers(void **state)
 {

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/error.h"
-#include "simulation/simulate.h"
+#include "pipeline/speak/error.h"
+#include "simulation/dem/simulate.h"
 
 enum { MOST_STATES = 8 };
 static const double PI = 3.141592653589793;

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/error.h"
-#include "simulation/simulate_scene.h"
+#include "pipeline/speak/error.h"
+#include "simulation/dem/simulate_scene.h"
 
 static const char HEAD[] = "{\"schema\": \"film.scene/1\", \"name\": \"test\",\n"
                            "\"grains\": {\"density_kg_m3\": 700, \"length_m\": 0.05},\n"

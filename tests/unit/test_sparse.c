@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/sparse.h"
-#include "pipeline/random.h"
+#include "forces/algebra/sparse.h"
+#include "pipeline/numbers/random.h"
 #include "tests/check.h"
 
 enum { WIDTH = 4 };

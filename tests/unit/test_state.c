@@ -14,10 +14,11 @@
 
 #include <hdf5.h>
 
-#include "pipeline/error.h"
-#include "pipeline/grains.h"
-#include "pipeline/state.h"
-#include "pipeline/walls.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/grains.h"
+#include "pipeline/state/state.h"
+#include "pipeline/packing/walls.h"
+#include "pipeline/files/sha256.h"
 
 /* HDF5 1.10.8 itself keeps a block when it meets a damaged file. */
 const char *__lsan_default_suppressions(void);

@@ -12,9 +12,9 @@
 
 #include <hdf5.h>
 
-#include "pipeline/error.h"
-#include "pipeline/grains.h"
-#include "pipeline/state.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/grains.h"
+#include "pipeline/state/state.h"
 
 enum { ROWS = 5 };
 static char path[] = "/tmp/test_state_storage.XXXXXX";

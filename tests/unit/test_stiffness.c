@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "calibration/stiffness.h"
-#include "pipeline/error.h"
+#include "calibration/rods/stiffness.h"
+#include "pipeline/speak/error.h"
 #include "tests/pressed_rods.h"
 
 /* The law's points with noise of known size. */

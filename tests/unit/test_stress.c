@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/stress.h"
+#include "pipeline/packing/stress.h"
 
 enum { SIDE = 6, GRAINS_COUNT = SIDE * SIDE };
 static const double R = 0.01, LENGTH = 0.06;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/text.h"
+#include "pipeline/speak/text.h"
 
 /* Every code point by the table of RFC 3629, and what is none: each second byte, surrogates, overlong, cut. */
 static void letters(void **unused)

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-#include "pipeline/error.h"
+#include "pipeline/speak/error.h"
 
 static void test_every_grain_is_followed(void **state)
 {

@@ -10,11 +10,11 @@
 
 #include <hdf5.h>
 
-#include "pipeline/error.h"
-#include "pipeline/grains.h"
-#include "pipeline/scene.h"
-#include "pipeline/state.h"
-#include "report/verify.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/grains.h"
+#include "pipeline/scene/scene.h"
+#include "pipeline/state/state.h"
+#include "report/compare/verify.h"
 
 static char folder[] = "/tmp/test_verify.XXXXXX";
 static char inner[64], input[96], state_path[96];

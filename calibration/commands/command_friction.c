@@ -1,0 +1,168 @@
+/* calibration friction: options, call, write. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "calibration/commands/calibration_commands.h"
+#include "calibration/rods/friction.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/packing/packing.h"
+
+enum { KEY_FORCES = 0x2300 };
+
+struct options {
+    struct cli cli;
+    struct cli_inputs tests;
+    const char *method; /* of forces files; NULL: three-rod tests */
+};
+
+static const struct argp_option option_list[] = {
+    {"forces", KEY_FORCES, "METHOD", 0, "Arguments are forces files: mu from where |ft| / fn ends", 0}, {0}};
+
+static const char documentation[] =
+    "The friction coefficient between grains from three-rod tests (thesis Appendix B): rod C (radius R) rests on two "
+    "fixed rods and carries weights P1 and P2 at equal arms L; P2 grows until C turns and slides; alpha is the angle "
+    "between the vertical and the lines of centres.\v"
+    "Each test is one argument P1,P2,L,R,ALPHA: two weights in N, two lengths in m, an angle in degrees.\n\n"
+    "Example: calibration friction 3.0,7.4,0.03,0.02,45 3.0,7.2,0.03,0.02,45 -o friction.json\n\n"
+    "With --forces METHOD the arguments are forces files of one or more states instead: |ft| / fn of the contacts "
+    "ends sharply at mu. The method must not have been given the answer: infer the forces with a mu well above it.\n\n"
+    "The result holds mu (for the scene's contact.mu) and its standard error.";
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->cli;
+        return 0;
+    case KEY_FORCES:
+        options->method = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        return cli_inputs_add(&options->tests, argument) ? ENOMEM : 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which test? Give P1,P2,L,R,ALPHA, or forces files with --forces");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* "P1,P2,L,R,ALPHA" */
+static int parse_test(const char *text, struct friction_test *test)
+{
+    const double degree = 0.017453292519943295;
+    char rest;
+    if (sscanf(text, "%lf,%lf,%lf,%lf,%lf%c", &test->p1, &test->p2, &test->arm, &test->radius, &test->alpha, &rest) !=
+        5)
+        return error_input("test '%s': give five numbers P1,P2,L,R,ALPHA in N, N, m, m, degrees", text);
+    test->alpha *= degree;
+    return 0;
+}
+
+static cJSON *describe(const struct friction *friction)
+{
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddStringToObject(object, "schema", "film.friction/1");
+    cJSON_AddNumberToObject(object, "tests", (double)friction->tests);
+    cJSON_AddNumberToObject(object, "mu", friction->mu);
+    cJSON_AddNumberToObject(object, "phi_rad", friction->phi);
+    if (friction->tests > 1) {
+        cJSON_AddNumberToObject(object, "s_mu", friction->s_mu);
+        cJSON_AddNumberToObject(object, "s_phi_rad", friction->s_phi);
+    }
+    return object;
+}
+
+static cJSON *describe_mobilised(const struct mobilised *mobilised)
+{
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddStringToObject(object, "schema", "film.friction/1");
+    calibration_add(object, "mu", mobilised->mu);
+    calibration_add(object, "s_mu", mobilised->s_mu);
+    calibration_add(object, "width", mobilised->width);
+    calibration_add(object, "contacts", (double)mobilised->contacts);
+    calibration_add(object, "sliding", (double)mobilised->sliding);
+    calibration_add(object, "significance", mobilised->significance);
+    cJSON_AddItemToObject(object, "quantiles_10_50_90_95_99", cJSON_CreateDoubleArray(mobilised->quantile, 5));
+    return object;
+}
+
+/* Append the forces of one file; *mu: that they were inferred with. */
+static int collect(const char *path, const char *method, double **fn, double **ft, size_t *count, double *mu)
+{
+    struct packing packing = {0};
+    int status = packing_read(path, &packing);
+    const struct forces *forces = status ? NULL : packing_forces(&packing, method);
+    if (!status && !forces)
+        status = error_input("%s: no forces of method '%s': run forces --method %s", path, method, method);
+    if (!status) {
+        size_t more = forces->contact.count, all = *count + more;
+        double *normal = realloc(*fn, (all + 1) * sizeof *normal);
+        *fn = normal ? normal : *fn;
+        double *tangential = realloc(*ft, (all + 1) * sizeof *tangential);
+        *ft = tangential ? tangential : *ft;
+        if (!normal || !tangential)
+            status = error_memory("contact forces");
+        for (size_t c = 0; c < more && !status; c++) {
+            int wall = packing.contacts.flags && (packing.contacts.flags[c] & CONTACT_WALL);
+            normal[*count + c] = wall ? NAN : forces->contact.fn[c]; /* walls have their own friction */
+            tangential[*count + c] = forces->contact.ft[c];
+        }
+        *count = status ? *count : all;
+        *mu = forces->mu;
+    }
+    packing_free(&packing);
+    return status;
+}
+
+static int run_forces(const struct options *options)
+{
+    double *fn = NULL, *ft = NULL, mu = NAN;
+    size_t count = 0;
+    struct mobilised mobilised;
+    int status = 0;
+    for (size_t k = 0; k < options->tests.count && !status; k++)
+        status = collect(options->tests.paths[k], options->method, &fn, &ft, &count, &mu);
+    if (!status)
+        status = friction_mobilised(fn, ft, count, &mobilised);
+    if (!status && strcmp(options->method, "dem") && fabs(mobilised.mu - mu) < 2 * mobilised.width)
+        status = error_input("the forces were inferred with mu = %g and |ft| / fn ends there: infer them with a larger "
+                             "contact.mu, which must not be the answer",
+                             mu);
+    if (!status)
+        status = calibration_write(options->cli.output, describe_mobilised(&mobilised));
+    free(fn);
+    free(ft);
+    return status;
+}
+
+static int run_tests(const struct options *options)
+{
+    size_t count = options->tests.count;
+    struct friction_test *tests = calloc(count, sizeof *tests);
+    struct friction friction;
+    int status = tests ? 0 : error_memory("tests");
+    for (size_t k = 0; k < count && status == 0; k++)
+        status = parse_test(options->tests.paths[k], &tests[k]);
+    if (status == 0)
+        status = friction_estimate(tests, count, &friction);
+    if (status == 0)
+        status = calibration_write(options->cli.output, describe(&friction));
+    free(tests);
+    return status;
+}
+
+int command_friction(int argc, char **argv)
+{
+    const struct argp_child children[] = {CLI_CHILD, {0}};
+    const struct argp parser = {option_list, parse_option, "P1,P2,L,R,ALPHA...\nFILE.hdf...", documentation, children,
+                                NULL,        NULL};
+    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT}};
+    cli_parse(&parser, argc, argv, &options);
+    int status = cli_finish(&options.cli, options.method ? run_forces(&options) : run_tests(&options));
+    cli_inputs_free(&options.tests);
+    return status;
+}

@@ -1,0 +1,156 @@
+/* calibration rescale: options, read, call, write. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "calibration/commands/law_chart.h"
+#include "calibration/commands/calibration_commands.h"
+#include "calibration/rods/rescale.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/scene.h"
+
+enum { KEY_TANGENTIAL = 0x2200, KEY_INCREMENTS, KEY_METHOD, KEY_PICTURE };
+
+struct options {
+    struct cli cli;
+    struct cli_inputs files;
+    struct rescale_options rescale;
+    const char *picture;
+};
+
+static const char documentation[] =
+    "The contact stiffness k_n (with --tangential also k_t) that makes the Weber stress of a whole series equal to the "
+    "stress measured at the walls (thesis 2.1.1, 3.3).\v"
+    "FILE.hdf: contacts files of one series, in order: forces come from their overlaps and motions by the contact "
+    "elasticity method with the scene's mu. With --method NAME: forces files, whose forces of that method are "
+    "scaled.\n\n"
+    "Example: calibration rescale --scene scene.json contacts/*.contacts.hdf -o stiffness.json\n\n"
+    "The result holds kn_N_per_m and kt_over_kn for the scene's contact, their standard errors, and measured beside "
+    "rescaled stress of every state.";
+
+static const struct argp_option option_list[] = {
+    {"tangential", KEY_TANGENTIAL, NULL, 0, "Seek k_t too (needs sheared states)", 0},
+    {"increments", KEY_INCREMENTS, NULL, 0, "Compare stress changes since the first file, not stresses", 0},
+    {"method", KEY_METHOD, "NAME", 0, "Scale this method's forces in forces files", 0},
+    {"picture", KEY_PICTURE, "P.svg", 0, "Rescaled against measured stress as a picture", 0},
+    {0}};
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->cli;
+        return 0;
+    case KEY_TANGENTIAL:
+        options->rescale.fit_kt = 1;
+        return 0;
+    case KEY_INCREMENTS:
+        options->rescale.increments = 1;
+        return 0;
+    case KEY_METHOD:
+        options->rescale.method = argument;
+        return 0;
+    case KEY_PICTURE:
+        options->picture = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which series? Give its contacts files in order");
+        return 0;
+    case ARGP_KEY_END:
+        if (options->rescale.method && options->rescale.fit_kt)
+            argp_error(state, "--method scales forces that are there: --tangential needs contacts files without it");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static cJSON *describe(const struct rescale *rescale)
+{
+    static const char *const names[] = {"xx", "yy", "xy"};
+    cJSON *object = cJSON_CreateObject(), *states = cJSON_CreateArray();
+    cJSON_AddStringToObject(object, "schema", "film.rescale/1");
+    calibration_add(object, "kn_N_per_m", rescale->kn);
+    calibration_add(object, "s_kn_N_per_m", rescale->s_kn);
+    calibration_add(object, "kt_over_kn", rescale->kt_over_kn);
+    calibration_add(object, "s_kt_over_kn", rescale->s_kt_over_kn);
+    calibration_add(object, "stress_ratio", rescale->ratio);
+    calibration_add(object, "s_stress_ratio", rescale->s_ratio);
+    calibration_add(object, "rms_left_over", rescale->rms);
+    for (size_t k = 0; k < rescale->count; k++) {
+        cJSON *state = cJSON_CreateObject(), *measured = cJSON_CreateObject(), *weber = cJSON_CreateObject();
+        calibration_add(state, "index", (double)rescale->states[k].index);
+        for (int c = 0; c < 3; c++) {
+            calibration_add(measured, names[c], rescale->states[k].measured[c]);
+            calibration_add(weber, names[c], rescale->states[k].weber[c]);
+        }
+        cJSON_AddItemToObject(state, "measured", measured);
+        cJSON_AddItemToObject(state, "weber", weber);
+        cJSON_AddItemToArray(states, state);
+    }
+    cJSON_AddItemToObject(object, "states", states);
+    return object;
+}
+
+static int draw(const char *path, const struct rescale *rescale)
+{
+    static const char *const names[] = {"xx", "yy", "xy"};
+    double *block = malloc((6 * rescale->count + 1) * sizeof *block);
+    struct chart_curve curves[3];
+    if (!block)
+        return error_memory("picture");
+    for (int c = 0; c < 3; c++) {
+        double *x = block + 2 * (size_t)c * rescale->count, *y = x + rescale->count;
+        for (size_t k = 0; k < rescale->count; k++) {
+            x[k] = rescale->states[k].measured[c];
+            y[k] = rescale->states[k].weber[c];
+        }
+        curves[c] = (struct chart_curve){names[c], x, y, rescale->count, CHART_DOTS};
+    }
+    struct chart_panel panel = {"Stress of the contacts", "measured", "Weber, rescaled", 0, 0, curves, 3};
+    int status = chart_write(path, &panel, 1);
+    free(block);
+    return status;
+}
+
+static int run(struct options *options)
+{
+    struct scene scene = {0};
+    struct rescale rescale = {0};
+    size_t count = options->files.count;
+    struct packing *states = calloc(count, sizeof *states);
+    int status = states ? scene_read(options->cli.scene, &scene) : error_memory("states");
+    for (size_t k = 0; k < count && !status; k++)
+        status = packing_read(options->files.paths[k], &states[k]);
+    options->rescale.law = scene.contact;
+    if (!status && scene.contact_given && scene.contact.kind != LAW_LINEAR)
+        status = error_input("%s: contact.law: rescaling finds the k_n of the linear law: make it linear",
+                             options->cli.scene);
+    if (!status)
+        status = rescale_fit(states, count, &options->rescale, &rescale);
+    if (!status)
+        status = calibration_write(options->cli.output, describe(&rescale));
+    if (!status && options->picture)
+        status = draw(options->picture, &rescale);
+    for (size_t k = 0; states && k < count; k++)
+        packing_free(&states[k]);
+    free(states);
+    rescale_free(&rescale);
+    scene_free(&scene);
+    return status;
+}
+
+int command_rescale(int argc, char **argv)
+{
+    const struct argp_child children[] = {CLI_CHILD, {0}};
+    const struct argp parser = {option_list, parse_option, "FILE.hdf...", documentation, children, NULL, NULL};
+    struct options options = {.cli = CLI_DEFAULT};
+    cli_parse(&parser, argc, argv, &options);
+    int status = cli_finish(&options.cli, run(&options));
+    cli_inputs_free(&options.files);
+    return status;
+}

@@ -1,0 +1,110 @@
+/* calibration scale: options, call, write. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "calibration/commands/calibration_commands.h"
+#include "calibration/rods/scale.h"
+#include "pipeline/command/cli.h"
+#include "pipeline/speak/error.h"
+#include "pipeline/scene/lens.h"
+
+struct options {
+    struct cli cli;
+    struct cli_inputs lengths;
+    const char *lens;
+    double error_px;
+};
+
+enum { KEY_LENS = 0x100, KEY_ERROR };
+
+static const struct argp_option option_list[] = {
+    {"lens", KEY_LENS, "FILE", 0, "Lens file: the marks are corrected by it first", 0},
+    {"error-px", KEY_ERROR, "PX", 0, "Standard error of a mark's position (default 0.5)", 0},
+    {0}};
+
+static const char documentation[] =
+    "Metres per pixel from known lengths: sides of the frame, a ruler, two marks.\v"
+    "Each length is one argument X0,Y0,X1,Y1,METRES: two marks in px as seen in the photo, the distance between them "
+    "in m.\n\n"
+    "Example: calibration scale 578,1453,7260,1510,0.4008 568,7043,7255,7070,0.4012 -o scale.json\n\n"
+    "The result holds scale_m_per_px for the scene and its standard error.";
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->cli;
+        return 0;
+    case KEY_LENS:
+        options->lens = argument;
+        return 0;
+    case KEY_ERROR:
+        options->error_px = cli_number(state, "--error-px", argument, 0, 100);
+        return 0;
+    case ARGP_KEY_ARG:
+        return cli_inputs_add(&options->lengths, argument) ? ENOMEM : 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which length? Give X0,Y0,X1,Y1,METRES");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int parse_length(const char *text, const struct lens *lens, struct known_length *length)
+{
+    char rest;
+    if (sscanf(text, "%lf,%lf,%lf,%lf,%lf%c", &length->a.x, &length->a.y, &length->b.x, &length->b.y, &length->metres,
+               &rest) != 5)
+        return error_input("length '%s': give five numbers X0,Y0,X1,Y1,METRES in px and m", text);
+    if (lens) {
+        length->a = lens_corrected(lens, length->a);
+        length->b = lens_corrected(lens, length->b);
+    }
+    return 0;
+}
+
+static cJSON *describe(const struct scale *scale, size_t count)
+{
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddStringToObject(object, "schema", "film.scale/1");
+    cJSON_AddNumberToObject(object, "lengths", (double)count);
+    cJSON_AddNumberToObject(object, "scale_m_per_px", scale->m_per_px);
+    cJSON_AddNumberToObject(object, "s_scale_m_per_px", scale->s_m_per_px);
+    if (count > 1)
+        cJSON_AddNumberToObject(object, "scatter_px", scale->scatter_px);
+    return object;
+}
+
+static int run(const struct options *options)
+{
+    size_t count = options->lengths.count;
+    struct known_length *lengths = calloc(count, sizeof *lengths);
+    struct lens lens;
+    struct scale scale;
+    int status = lengths ? 0 : error_memory("lengths");
+    if (!status && options->lens)
+        status = lens_read(options->lens, &lens);
+    for (size_t k = 0; k < count && !status; k++)
+        status = parse_length(options->lengths.paths[k], options->lens ? &lens : NULL, &lengths[k]);
+    if (!status)
+        status = scale_estimate(lengths, count, options->error_px, &scale);
+    if (!status)
+        status = calibration_write(options->cli.output, describe(&scale, count));
+    free(lengths);
+    return status;
+}
+
+int command_scale(int argc, char **argv)
+{
+    const struct argp_child children[] = {CLI_CHILD, {0}};
+    const struct argp parser = {option_list, parse_option, "X0,Y0,X1,Y1,METRES...", documentation, children,
+                                NULL,        NULL};
+    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT}, .error_px = 0.5};
+    cli_parse(&parser, argc, argv, &options);
+    int status = cli_finish(&options.cli, run(&options));
+    cli_inputs_free(&options.lengths);
+    return status;
+}

@@ -1,0 +1,167 @@
+/* Quasi-static method (thesis 2.1.3): the forces are projected in turn onto equilibrium (a linear solve with the
+ * stiffness matrix K = A D A', factorised once) and onto the Coulomb cones (contact by contact), from any start.
+ * Working stiffness: 1 along normals, kt/kn along tangents. */
+#include "forces/methods/method.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "forces/algebra/anderson.h"
+#include "forces/algebra/sparse.h"
+#include "pipeline/speak/error.h"
+
+enum { QSM_ITERATIONS = 4000, FAILURES = 20, PAUSE = 25 };
+
+/* A component that is held gets next to no stiffness: the others take up what is out of balance. */
+#define HELD_STIFFNESS 1e-8
+
+struct qsm {
+    const struct network *network;
+    const struct force_options *options;
+    struct sparse *matrix;
+    double *stiffness; /* per component of f */
+    double *held;      /* start forces */
+    double *unbalance, *motion, *relative;
+};
+
+static void qsm_free(struct qsm *qsm)
+{
+    sparse_free(qsm->matrix);
+    free(qsm->stiffness), free(qsm->held), free(qsm->unbalance), free(qsm->motion), free(qsm->relative);
+}
+
+static void fill_stiffness(struct qsm *qsm)
+{
+    for (size_t c = 0; c < qsm->network->count; c++) {
+        double normal = 1, tangential = qsm->network->contact[c].mu > 0 ? qsm->options->law.kt_over_kn : 0;
+        if (qsm->options->fix == FIX_NORMAL)
+            normal = HELD_STIFFNESS;
+        if (qsm->options->fix == FIX_TANGENTIAL)
+            tangential = fmin(tangential, HELD_STIFFNESS);
+        qsm->stiffness[2 * c] = normal;
+        qsm->stiffness[2 * c + 1] = tangential;
+    }
+}
+
+static int build_matrix(struct qsm *qsm)
+{
+    const struct network *network = qsm->network;
+    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
+    if (!place)
+        return error_memory("stiffness matrix");
+    for (size_t c = 0; c < network->count; c++)
+        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
+    qsm->matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
+    free(place);
+    if (!qsm->matrix)
+        return -1;
+    sparse_clear(qsm->matrix);
+    for (size_t c = 0; c < network->count; c++) {
+        const struct network_contact *contact = &network->contact[c];
+        double block[NETWORK_WIDTH * NETWORK_WIDTH];
+        for (int i = 0; i < NETWORK_WIDTH; i++)
+            for (int j = 0; j <= i; j++)
+                block[i * NETWORK_WIDTH + j] = qsm->stiffness[2 * c] * contact->n[i] * contact->n[j] +
+                                               qsm->stiffness[2 * c + 1] * contact->t[i] * contact->t[j];
+        sparse_add(qsm->matrix, c, block);
+    }
+    return sparse_factorise(qsm->matrix) < 0 ? -1 : 0;
+}
+
+static int qsm_begin(const struct network *network, const struct force_options *options, const double *f,
+                     struct qsm *qsm)
+{
+    size_t unknowns = 2 * network->count + 1;
+    *qsm = (struct qsm){.network = network, .options = options};
+    qsm->stiffness = malloc(unknowns * sizeof(double));
+    qsm->held = malloc(unknowns * sizeof(double));
+    qsm->relative = malloc(unknowns * sizeof(double));
+    qsm->unbalance = malloc((network->dofs + 1) * sizeof(double));
+    qsm->motion = malloc((network->dofs + 1) * sizeof(double));
+    if (!qsm->stiffness || !qsm->held || !qsm->relative || !qsm->unbalance || !qsm->motion)
+        return error_memory("quasi-static method");
+    memcpy(qsm->held, f, 2 * network->count * sizeof(double));
+    fill_stiffness(qsm);
+    return build_matrix(qsm);
+}
+
+/* Nearest statically admissible forces in the norm of the stiffness (thesis 2.48): K dU = b + A f, then
+ * f - D A' dU. `unbalance` holds b + A f. */
+static int project_static(struct qsm *qsm, const double *f, double *out)
+{
+    if (sparse_solve(qsm->matrix, qsm->unbalance, qsm->motion))
+        return -1;
+    network_motion(qsm->network, qsm->motion, qsm->relative);
+    for (size_t k = 0; k < 2 * qsm->network->count; k++)
+        out[k] = f[k] - qsm->stiffness[k] * qsm->relative[k];
+    return 0;
+}
+
+/* x: statically admissible; p: its plastic projection, which is judged; g: the next x. */
+struct points {
+    double *x, *p, *g, *best;
+};
+
+/* The accelerated iteration with a way back: when it has made the imbalance ten times worse than the best, it restarts
+ * from the best point without history. After some failures plain projections lead on from there for a while before they
+ * are accelerated again. */
+static int iterate(struct qsm *qsm, struct anderson *anderson, struct points *at, struct outcome *outcome)
+{
+    size_t size = 2 * qsm->network->count * sizeof(double);
+    int limit = qsm->options->iterations > 0 ? qsm->options->iterations : QSM_ITERATIONS, pause = 0, failures = 0;
+    double best = INFINITY;
+    for (outcome->iterations = 0;; outcome->iterations++) {
+        memcpy(at->p, at->x, size);
+        admit(qsm->network, qsm->options, qsm->held, at->p);
+        double imbalance = network_judge(qsm->network, at->p, qsm->unbalance);
+        if (imbalance < best) {
+            best = imbalance;
+            memcpy(at->best, at->p, size);
+        } else if (anderson->m > 0 && !(imbalance < 10 * best)) {
+            memcpy(at->p, at->best, size);
+            memcpy(at->x, at->best, size);
+            network_judge(qsm->network, at->p, qsm->unbalance);
+            anderson_restart(anderson);
+            if (++failures % FAILURES == 0)
+                pause = PAUSE << (failures / FAILURES < 6 ? failures / FAILURES : 6);
+        }
+        if (best <= qsm->options->tolerance || outcome->iterations >= limit)
+            break;
+        if (project_static(qsm, at->p, at->g))
+            return -1;
+        if (pause > 0 && pause--)
+            memcpy(at->x, at->g, size);
+        else
+            anderson_step(anderson, at->x, at->g, at->x);
+    }
+    outcome->imbalance = best;
+    outcome->converged = best <= qsm->options->tolerance;
+    return 0;
+}
+
+static int run(struct qsm *qsm, double *f, struct outcome *outcome)
+{
+    size_t n = 2 * qsm->network->count;
+    struct points at = {f, malloc((n + 1) * sizeof(double)), malloc((n + 1) * sizeof(double)),
+                        malloc((n + 1) * sizeof(double))};
+    struct anderson anderson = {0};
+    int status = -1;
+    if (!at.p || !at.g || !at.best) {
+        status = error_memory("quasi-static method");
+    } else if (!anderson_begin(&anderson, n, qsm->options->anderson)) {
+        network_unbalance(qsm->network, f, qsm->unbalance);
+        status = project_static(qsm, f, at.x) || iterate(qsm, &anderson, &at, outcome) ? -1 : 0;
+        memcpy(f, at.best, n * sizeof *f);
+    }
+    anderson_free(&anderson);
+    free(at.p), free(at.g), free(at.best);
+    return status;
+}
+
+int qsm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
+{
+    struct qsm qsm;
+    int status = qsm_begin(network, options, f, &qsm) || run(&qsm, f, outcome) ? -1 : 0;
+    qsm_free(&qsm);
+    return status;
+}

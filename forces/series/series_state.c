@@ -1,0 +1,280 @@
+#include "forces/series/series_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/speak/error.h"
+
+/* Overlaps are never better known than this share of <fn>: the contact law itself is not. */
+#define LEAST_ERROR 0.01
+
+void series_state_free(struct series_state *state)
+{
+    sparse_free(state->matrix);
+    network_free(&state->network);
+    free(state->flags), free(state->open), free(state->changed), free(state->measured), free(state->variance),
+        free(state->slack);
+    free(state->place), free(state->share), free(state->segment);
+    free(state->soft), free(state->y), free(state->l), free(state->dy), free(state->dl), free(state->gy),
+        free(state->gl);
+    free(state->relative), free(state->error), free(state->drelative), free(state->derror);
+    free(state->f), free(state->df), free(state->side), free(state->push), free(state->dpush), free(state->pull);
+    free(state->curve), free(state->gain), free(state->take);
+    free(state->work), free(state->solution), free(state->sum);
+    memset(state, 0, sizeof *state);
+}
+
+static int state_alloc(struct series_state *state, size_t unknowns)
+{
+    size_t n = state->network.count + 1, d = state->network.dofs + 1;
+    state->open = calloc(n, 1), state->changed = calloc(n, 1);
+    state->measured = calloc(n, sizeof *state->measured), state->variance = calloc(n, sizeof *state->variance);
+    state->slack = calloc(n, sizeof *state->slack);
+    state->place = calloc(n * (size_t)state->width, sizeof(int));
+    state->share = calloc(n * (size_t)state->width, sizeof(double));
+    state->segment = calloc(n, sizeof(long));
+    state->y = calloc(d, sizeof(double)), state->dy = calloc(d, sizeof(double)), state->gy = calloc(d, sizeof(double));
+    state->soft = calloc(d, sizeof(double));
+    state->l = calloc(n, sizeof *state->l), state->dl = calloc(n, sizeof *state->dl);
+    state->gl = calloc(n, sizeof *state->gl);
+    state->relative = calloc(n, sizeof *state->relative), state->error = calloc(n, sizeof *state->error);
+    state->drelative = calloc(n, sizeof *state->drelative), state->derror = calloc(n, sizeof *state->derror);
+    state->f = calloc(n, sizeof *state->f), state->df = calloc(n, sizeof *state->df);
+    state->side = calloc(n, sizeof *state->side), state->push = calloc(n, sizeof *state->push);
+    state->dpush = calloc(n, sizeof *state->dpush), state->pull = calloc(n, sizeof *state->pull);
+    state->curve = calloc(n, sizeof *state->curve);
+    state->gain = calloc(n, sizeof *state->gain), state->take = calloc(n, sizeof *state->take);
+    state->work = calloc(d, sizeof(double)), state->solution = calloc(d, sizeof(double));
+    state->sum = calloc(unknowns + 1, sizeof(double));
+    return state->open && state->changed && state->measured && state->variance && state->slack && state->place &&
+                   state->share && state->segment && state->soft && state->y && state->dy && state->gy && state->l &&
+                   state->dl && state->gl && state->relative && state->error && state->drelative && state->derror &&
+                   state->f && state->df && state->side && state->push && state->dpush && state->pull && state->curve &&
+                   state->gain && state->take && state->work && state->solution && state->sum
+               ? 0
+               : error_memory("states of the series");
+}
+
+static struct sparse *state_matrix(const struct network *network)
+{
+    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
+    if (!place) {
+        error_set(EXIT_FAILED, "out of memory: states of the series");
+        return NULL;
+    }
+    for (size_t c = 0; c < network->count; c++)
+        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
+    struct sparse *matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
+    free(place);
+    return matrix;
+}
+
+/* The network's own unit of force gives way to that of the series. */
+static void common_unit(struct series_state *state, double force)
+{
+    struct network *network = &state->network;
+    for (size_t d = 0; d < network->dofs; d++)
+        network->load[d] *= network->force / force;
+    network->virial *= network->force / force;
+    state->mean = network->force / force;
+    network->force = force;
+}
+
+int series_state_build(struct series *series, size_t s)
+{
+    struct series_state *state = &series->state[s];
+    struct packing view = *state->packing;
+    struct network_options network_options = {.candidates = 1, .wall_mass = series->options->wall_mass};
+    view.contacts.flags = state->flags;
+    if (network_build(&view, &series->options->law, &network_options, &state->network))
+        return -1;
+    common_unit(state, series->force);
+    state->width = 8 + (series->shared.shape >= 0 ? 4 * SERIES_HARMONICS : 0);
+    state->matrix = state_matrix(&state->network);
+    if (!state->matrix || state_alloc(state, series->shared.count))
+        return -1;
+    for (size_t c = 0; c < state->network.count; c++)
+        state->segment[c] = -1;
+    state->softness = pow(series->series_options->softness * state->mean, 2);
+    for (size_t d = 0; d < state->network.dofs; d++)
+        state->soft[d] = state->softness;
+    return 0;
+}
+
+/* ---- what the overlaps say ---- */
+
+static double error_of(const double *column, size_t row)
+{
+    double s = column_or_zero(column, row);
+    return isfinite(s) && s > 0 ? s : 0;
+}
+
+static void add(struct series_state *state, size_t c, int *at, long place, double share)
+{
+    if (place < 0 || share == 0)
+        return;
+    state->place[c * (size_t)state->width + (size_t)*at] = (int)place;
+    state->share[c * (size_t)state->width + (size_t)*at] = share;
+    ++*at;
+}
+
+static double shape_error(const struct series *series, const struct grains *grains, size_t k)
+{
+    double given = series->series_options->shape;
+    return isnan(given) ? error_of(grains->s_shape, k) : given;
+}
+
+/* The overlap grows by n . e of grain i, by -n . e of j, by the errors of both radii and rims; its own errors of this
+ * photo add up. */
+static double add_grain(const struct series *series, struct series_state *state, size_t c, size_t k, double sign,
+                        int *at)
+{
+    const struct grains *g = &state->packing->grains;
+    const struct series_shared *shared = &series->shared;
+    size_t row = state->network.contact[c].row;
+    double nx = sign * state->packing->contacts.nx[row], ny = sign * state->packing->contacts.ny[row];
+    double kn = series->stiffness;
+    add(state, c, at, shared->grain + 3 * (long)k, kn * nx * error_of(g->s_x_ref, k));
+    add(state, c, at, shared->grain + 3 * (long)k + 1, kn * ny * error_of(g->s_y_ref, k));
+    add(state, c, at, shared->grain + 3 * (long)k + 2, kn * error_of(g->s_radius, k));
+    double shape = shared->shape >= 0 ? kn * shape_error(series, g, k) / sqrt(SERIES_HARMONICS) : 0;
+    double direction = atan2(ny, nx) - (g->angle && isfinite(g->angle[k]) ? g->angle[k] : 0);
+    for (int h = 0; h < SERIES_HARMONICS && shape > 0; h++) {
+        long place = shared->shape + 2 * (long)(k * SERIES_HARMONICS + (size_t)h);
+        add(state, c, at, place, shape * cos((h + 2) * direction));
+        add(state, c, at, place + 1, shape * sin((h + 2) * direction));
+    }
+    return pow(kn * nx * error_of(g->s_x, k), 2) + pow(kn * ny * error_of(g->s_y, k), 2);
+}
+
+/* s_offset of the walls is taken for the error of their line in the reference; that of one photo is as a grain's. */
+static double median_error(const struct grains *g)
+{
+    double sum = 0, count = 0;
+    for (size_t k = 0; k < g->count; k++)
+        if (error_of(g->s_x, k) > 0)
+            sum += error_of(g->s_x, k), count++;
+    return count > 0 ? sum / count : 0;
+}
+
+int series_state_measure(struct series *series, size_t s, double offset, double s_offset)
+{
+    struct series_state *state = &series->state[s];
+    const struct packing *packing = state->packing;
+    double kn = series->stiffness, wall_error = kn * median_error(&packing->grains);
+    for (size_t c = 0; c < state->network.count; c++) {
+        size_t row = state->network.contact[c].row, w;
+        int at = 0, wall = packing_is_wall(packing, row, &w);
+        double overlap = packing->contacts.overlap[row], radii = wall ? 1 : 2;
+        if (!isfinite(overlap))
+            return error_input("contact %zu has an overlap that is not finite: run contacts again, or flag the row",
+                               row);
+        double variance = add_grain(series, state, c, (size_t)packing->contacts.i[row], 1, &at);
+        if (!wall)
+            variance += add_grain(series, state, c, (size_t)packing->contacts.j[row], -1, &at);
+        else
+            variance += wall_error * wall_error;
+        if (wall)
+            add(state, c, &at, series->shared.wall + (long)w, kn * error_of(packing->walls.s_offset, w));
+        if (series->shared.offset >= 0)
+            add(state, c, &at, series->shared.offset, radii * kn * s_offset);
+        state->measured[c][NORMAL] = kn * (overlap - radii * offset);
+        state->measured[c][TANGENTIAL] = NAN;
+        if (series->shared.stiffness >= 0) { /* its share follows the estimate: series_follow_stiffness() */
+            state->place[c * (size_t)state->width + (size_t)at] = (int)series->shared.stiffness;
+            state->share[c * (size_t)state->width + (size_t)at++] = 0;
+        }
+        if (at < state->width)
+            state->place[c * (size_t)state->width + (size_t)at] = -1;
+        state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LEAST_ERROR * LEAST_ERROR;
+        state->variance[c][TANGENTIAL] = state->slack[c][TANGENTIAL] = 1;
+    }
+    return 0;
+}
+
+/* ---- B ---- */
+
+void series_error_at(const struct series *series, const struct series_state *state, size_t c, const double *q,
+                     double out[2])
+{
+    const int *place = state->place + c * (size_t)state->width;
+    const double *share = state->share + c * (size_t)state->width;
+    double sum = 0;
+    for (int k = 0; k < state->width && place[k] >= 0; k++)
+        sum += share[k] * q[place[k]];
+    out[NORMAL] = sum;
+    out[TANGENTIAL] = state->segment[c] >= 0 ? -SERIES_SEGMENT * q[series->shared.segment + state->segment[c]] : 0;
+}
+
+void series_gather(const struct series *series, struct series_state *state, const double (*v)[2])
+{
+    memset(state->sum, 0, (size_t)series->shared.segment * sizeof(double));
+    state->gathered = v;
+    for (size_t c = 0; c < state->network.count; c++) {
+        const int *place = state->place + c * (size_t)state->width;
+        const double *share = state->share + c * (size_t)state->width;
+        for (int k = 0; k < state->width && place[k] >= 0; k++)
+            state->sum[place[k]] += share[k] * v[c][NORMAL];
+    }
+}
+
+void series_add_up(const struct series *series, double *out)
+{
+    memset(out, 0, series->shared.count * sizeof *out);
+    for (size_t s = 0; s < series->count; s++) {
+        const struct series_state *state = &series->state[s];
+        for (size_t k = 0; k < (size_t)series->shared.segment; k++)
+            out[k] += state->sum[k];
+        for (size_t c = 0; c < state->network.count && series->shared.segments; c++)
+            if (state->segment[c] >= 0)
+                out[series->shared.segment + state->segment[c]] -= SERIES_SEGMENT * state->gathered[c][TANGENTIAL];
+    }
+}
+
+static int resize(double **array, size_t size, size_t from)
+{
+    double *grown = realloc(*array, (size + 1) * sizeof *grown);
+    if (!grown)
+        return error_memory("shared unknowns");
+    *array = grown;
+    for (size_t k = from; k < size; k++)
+        grown[k] = 0;
+    return 0;
+}
+
+int series_shared_resize(struct series *series)
+{
+    size_t n = series->shared.count, from = series->shared.allocated;
+    sparse_free(series->near);
+    series->near = NULL;
+    series->shared.allocated = n;
+    for (int k = 0; k < 5; k++)
+        if (resize(&series->vector[k], n, 0))
+            return -1;
+    return resize(&series->q, n, from < n ? from : n) || resize(&series->dq, n, 0) || resize(&series->diagonal, n, 0) ||
+                   resize(&series->defect, n, 0)
+               ? -1
+               : 0;
+}
+
+double series_stiffness(const struct series *series)
+{
+    long k = series->shared.stiffness;
+    return series->stiffness / (k >= 0 ? 1 - series->s_stiffness * series->q[k] : 1);
+}
+
+void series_follow_stiffness(struct series *series)
+{
+    if (series->shared.stiffness < 0)
+        return;
+    for (size_t s = 0; s < series->count; s++) {
+        struct series_state *state = &series->state[s];
+        for (size_t c = 0; c < state->network.count; c++) {
+            int *place = state->place + c * (size_t)state->width, k = 0;
+            while (place[k] != (int)series->shared.stiffness)
+                k++;
+            state->share[c * (size_t)state->width + (size_t)k] =
+                state->open[c] ? 0 : -series->s_stiffness * state->f[c][NORMAL];
+        }
+    }
+}

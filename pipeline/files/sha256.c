@@ -1,0 +1,55 @@
+#include "pipeline/files/sha256.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <openssl/evp.h>
+
+#include "pipeline/speak/error.h"
+#include "pipeline/files/input_file.h"
+
+static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest[32])
+{
+    unsigned char block[1 << 16];
+    size_t length;
+    if (!context || !EVP_DigestInit_ex(context, EVP_sha256(), NULL))
+        return error_memory("SHA-256");
+    while ((length = fread(block, 1, sizeof block, stream)) > 0)
+        if (!EVP_DigestUpdate(context, block, length))
+            return error_failed("SHA-256 failed");
+    if (ferror(stream))
+        return error_input("cannot be read: %s: check the file", strerror(errno));
+    return EVP_DigestFinal_ex(context, digest, NULL) ? 0 : error_failed("SHA-256 failed");
+}
+
+static void print_digest(const unsigned char digest[32], char text[65])
+{
+    for (int k = 0; k < 32; k++)
+        snprintf(text + 2 * k, 3, "%02x", digest[k]);
+}
+
+int text_sha256(const char *content, char text[65])
+{
+    unsigned char digest[32];
+    if (!EVP_Digest(content, strlen(content), digest, NULL, EVP_sha256(), NULL))
+        return error_failed("SHA-256 failed");
+    print_digest(digest, text);
+    return 0;
+}
+
+int file_sha256(const char *path, char text[65])
+{
+    unsigned char digest[32] = {0};
+    FILE *stream = input_file_open(path, 0);
+    if (!stream)
+        return -1;
+    EVP_MD_CTX *context = EVP_MD_CTX_new();
+    int failed = digest_stream(stream, context, digest);
+    EVP_MD_CTX_free(context);
+    fclose(stream);
+    if (failed)
+        return error_context("%s", path);
+    print_digest(digest, text);
+    return 0;
+}

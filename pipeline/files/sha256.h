@@ -1,0 +1,9 @@
+/* SHA-256 as 64 hexadecimal digits and a zero: how a file says which bytes it was made of. */
+#ifndef PIPELINE_SHA256_H
+#define PIPELINE_SHA256_H
+
+/* Of a file, of a text; -1 with an error. */
+int file_sha256(const char *path, char digest[65]);
+int text_sha256(const char *content, char digest[65]);
+
+#endif

@@ -1,0 +1,16 @@
+/* The groups of a scene, each read into its part of the struct; used by scene.c only. */
+#ifndef PIPELINE_SCENE_GROUPS_H
+#define PIPELINE_SCENE_GROUPS_H
+
+#include "pipeline/scene/scene.h"
+
+int scene_read_root(struct scene *scene); /* name, scale, origin, lens, gravity, loads */
+int scene_read_photos(struct scene *scene);
+int scene_read_frame(struct scene *scene);
+int scene_read_grains(struct scene *scene);
+int scene_read_drift_patches(struct scene *scene);
+
+/* A path of the scene, joined to the scene's folder; to be freed; NULL with an error when out of memory. */
+char *scene_join(const struct scene *scene, const char *relative);
+
+#endif

@@ -1,0 +1,19 @@
+/* A drawing becomes a picture on the page and, where a folder is named, a file of its own. */
+#ifndef REPORT_PICTURE_H
+#define REPORT_PICTURE_H
+
+#include "pipeline/draw/canvas.h"
+#include "report/page/html.h"
+
+struct picture {
+    const char *title;
+    double width, height;
+    int (*draw)(cairo_t *cairo, const void *what);
+    const void *what;
+};
+
+/* Inside the page in that format, PNG or SVG; as html->pictures/TITLE.EXTENSION, spaces and signs of the title as "-".
+ */
+int picture_put(const struct picture *picture, enum canvas_format format, struct html *html);
+
+#endif

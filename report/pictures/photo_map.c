@@ -1,0 +1,182 @@
+#include "report/pictures/photo_map.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/speak/error.h"
+#include "pipeline/draw/canvas.h"
+#include "report/pictures/draw_photo.h"
+
+static double place_x(const struct photo_grains *grains, size_t k)
+{
+    return grains->x_seen_px && isfinite(grains->x_seen_px[k]) ? grains->x_seen_px[k] : grains->x_px[k];
+}
+
+static double place_y(const struct photo_grains *grains, size_t k)
+{
+    return grains->y_seen_px && isfinite(grains->y_seen_px[k]) ? grains->y_seen_px[k] : grains->y_px[k];
+}
+
+static int is_placed(const struct photo_grains *grains, size_t k)
+{
+    return isfinite(place_x(grains, k)) && isfinite(place_y(grains, k)) && isfinite(grains->radius_px[k]);
+}
+
+/* Motion since the reference; 0 where it is not known. */
+static double motion(const struct photo_grains *grains, size_t k, double *dx, double *dy)
+{
+    *dx = *dy = 0;
+    if (!grains->x_ref_px || !grains->y_ref_px || !is_placed(grains, k) || !isfinite(grains->x_ref_px[k]) ||
+        !isfinite(grains->y_ref_px[k]))
+        return 0;
+    *dx = grains->x_px[k] - grains->x_ref_px[k];
+    *dy = grains->y_px[k] - grains->y_ref_px[k];
+    return hypot(*dx, *dy);
+}
+
+/* The longest trusted motion becomes two mean radii, in round steps. */
+static double choose_arrows(const struct photo_grains *grains)
+{
+    double longest = 0, radius = 0, dx, dy;
+    size_t count = 0;
+    for (size_t k = 0; k < grains->count; k++) {
+        if (!is_placed(grains, k) || (grains->flags[k] & GRAIN_DISTRUST))
+            continue;
+        longest = fmax(longest, motion(grains, k, &dx, &dy));
+        radius += grains->radius_px[k];
+        count++;
+    }
+    return longest > 0 ? canvas_round_number(2 * radius / (double)count / longest) : 0;
+}
+
+int photo_map_measure(struct photo_map *map)
+{
+    const struct photo_grains *grains = map->grains;
+    double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
+    for (size_t k = 0; k < grains->count; k++) {
+        if (!is_placed(grains, k))
+            continue;
+        double x = place_x(grains, k), y = place_y(grains, k), r = grains->radius_px[k];
+        x0 = fmin(x0, x - r), y0 = fmin(y0, y - r);
+        x1 = fmax(x1, x + r), y1 = fmax(y1, y + r);
+    }
+    double across = x1 - x0, down = y1 - y0;
+    if (!(across > 0) || !(down > 0) || down > 20 * across)
+        return error_input("no grain has a place: there is nothing to draw");
+    double margin = 0.03 * fmax(across, down);
+    map->scale = map->width / (across + 2 * margin);
+    map->x0 = x0 - margin;
+    map->y0 = y0 - margin;
+    map->view_height = map->scale * (down + 2 * margin);
+    map->height = ceil(map->view_height + 0.08 * map->width);
+    if (isnan(map->arrows))
+        map->arrows = choose_arrows(grains);
+    return 0;
+}
+
+static void draw_rims(const struct photo_map *map, cairo_t *cairo)
+{
+    const struct photo_grains *grains = map->grains;
+    double u = map->width / 1000;
+    for (size_t k = 0; k < grains->count; k++) {
+        int trusted = !(grains->flags[k] & GRAIN_DISTRUST);
+        if (!is_placed(grains, k))
+            continue;
+        double x = map->scale * (place_x(grains, k) - map->x0), y = map->scale * (place_y(grains, k) - map->y0);
+        cairo_new_path(cairo);
+        cairo_arc(cairo, x, y, map->scale * grains->radius_px[k], 0, 2 * M_PI);
+        if (trusted)
+            cairo_set_source_rgb(cairo, COLOUR_SKY);
+        else
+            cairo_set_source_rgb(cairo, COLOUR_PURPLE);
+        cairo_set_line_width(cairo, (trusted ? 1.5 : 3) * u);
+        cairo_stroke(cairo);
+        cairo_arc(cairo, x, y, 1.8 * u, 0, 2 * M_PI);
+        cairo_fill(cairo);
+    }
+}
+
+static void draw_arrow(cairo_t *cairo, double x0, double y0, double x1, double y1, double u)
+{
+    double length = hypot(x1 - x0, y1 - y0), head = fmin(7 * u, 0.5 * length);
+    if (length < 0.5 * u)
+        return;
+    double ux = (x1 - x0) / length, uy = (y1 - y0) / length;
+    cairo_new_path(cairo);
+    cairo_move_to(cairo, x0, y0);
+    cairo_line_to(cairo, x1 - 0.8 * head * ux, y1 - 0.8 * head * uy);
+    cairo_stroke(cairo);
+    cairo_move_to(cairo, x1, y1);
+    cairo_line_to(cairo, x1 - head * ux - 0.5 * head * uy, y1 - head * uy + 0.5 * head * ux);
+    cairo_line_to(cairo, x1 - head * ux + 0.5 * head * uy, y1 - head * uy - 0.5 * head * ux);
+    cairo_close_path(cairo);
+    cairo_fill(cairo);
+}
+
+/* From where the grain was, or rather from where it is seen, back along a stretched motion. */
+static void draw_arrows(const struct photo_map *map, cairo_t *cairo)
+{
+    double u = map->width / 1000, dx, dy;
+    cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
+    cairo_set_line_width(cairo, 2 * u);
+    for (size_t k = 0; k < map->grains->count; k++) {
+        if ((map->grains->flags[k] & GRAIN_DISTRUST) || !(motion(map->grains, k, &dx, &dy) > 0))
+            continue;
+        double x = map->scale * (place_x(map->grains, k) - map->x0),
+               y = map->scale * (place_y(map->grains, k) - map->y0);
+        draw_arrow(cairo, x, y, x + map->arrows * map->scale * dx, y + map->arrows * map->scale * dy, u);
+    }
+}
+
+static void draw_legend(const struct photo_map *map, cairo_t *cairo)
+{
+    double u = map->width / 1000, y = map->view_height;
+    size_t flagged = 0, lost = 0;
+    char text[200];
+    for (size_t k = 0; k < map->grains->count; k++) {
+        flagged += (map->grains->flags[k] & GRAIN_DISTRUST) != 0;
+        lost += !is_placed(map->grains, k);
+    }
+    cairo_set_source_rgb(cairo, 1, 1, 1);
+    cairo_rectangle(cairo, 0, y, map->width, map->height - y);
+    cairo_fill(cairo);
+    cairo_set_source_rgb(cairo, COLOUR_INK);
+    canvas_text_within(cairo, 25 * u, y + 32 * u, 575 * u, 19 * u, 1, map->title ? map->title : "");
+    snprintf(text, sizeof text, "%zu grains; %zu flagged: do not trust (purple); %zu without a place",
+             map->grains->count, flagged, lost);
+    canvas_text_within(cairo, 25 * u, y + 58 * u, 575 * u, 15 * u, 0, text);
+    if (map->arrows > 0) {
+        double length = canvas_round_number(90 * u / (map->arrows * map->scale));
+        cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
+        cairo_set_line_width(cairo, 2 * u);
+        draw_arrow(cairo, 620 * u, y + 26 * u, 620 * u + length * map->arrows * map->scale, y + 26 * u, u);
+        cairo_set_source_rgb(cairo, COLOUR_INK);
+        snprintf(text, sizeof text, "motion of %g px (× %g)", length, map->arrows);
+        canvas_text(cairo, 620 * u, y + 54 * u, 0, 15 * u, 0, text);
+    }
+    double bar = canvas_round_number(0.1 * map->width / map->scale);
+    cairo_set_source_rgb(cairo, COLOUR_INK);
+    cairo_set_line_width(cairo, 4 * u);
+    cairo_move_to(cairo, 975 * u - bar * map->scale, y + 26 * u);
+    cairo_line_to(cairo, 975 * u, y + 26 * u);
+    cairo_stroke(cairo);
+    snprintf(text, sizeof text, "%g px", bar);
+    canvas_text(cairo, 975 * u - 0.5 * bar * map->scale, y + 54 * u, 0.5, 15 * u, 0, text);
+}
+
+int photo_map_draw(const struct photo_map *map, cairo_t *cairo)
+{
+    if (map->photo) {
+        struct photo_view view = {map->x0, map->y0, map->x0 + map->width / map->scale,
+                                  map->y0 + map->view_height / map->scale};
+        if (draw_photo(cairo, map->photo, &view, map->width, map->view_height))
+            return -1;
+    }
+    draw_rims(map, cairo);
+    if (map->arrows > 0)
+        draw_arrows(map, cairo);
+    draw_legend(map, cairo);
+    return 0;
+}

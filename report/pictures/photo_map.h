@@ -1,0 +1,24 @@
+/* The photo side as a picture: found or tracked rims over the photo, flagged ones marked, motions as arrows. */
+#ifndef REPORT_PHOTO_MAP_H
+#define REPORT_PHOTO_MAP_H
+
+#include <cairo.h>
+
+#include "pipeline/packing/grains.h"
+#include "pipeline/scene/photo.h"
+
+struct photo_map {
+    const struct photo_grains *grains;
+    const struct photo *photo; /* NULL: white */
+    const char *title;
+    double width;  /* px of the picture */
+    double arrows; /* length of an arrow over that of the motion since the reference; 0: none, NaN: chosen */
+    /* set by photo_map_measure() */
+    double height, scale, x0, y0, view_height;
+};
+
+/* The view: the grains with a margin. Rims are drawn as seen where the file says so (x_seen_px). */
+int photo_map_measure(struct photo_map *map);
+int photo_map_draw(const struct photo_map *map, cairo_t *cairo);
+
+#endif

@@ -1,0 +1,19 @@
+/* A polar histogram of contact directions. */
+#ifndef REPORT_ROSE_H
+#define REPORT_ROSE_H
+
+#include <cairo.h>
+
+#include "report/states/distribution.h"
+
+struct rose_outline {
+    char name[17];             /* of the method */
+    size_t style;              /* chart_colour() */
+    double mean_fn[ROSE_BINS]; /* over that of all contacts */
+};
+
+/* Wedges: share of contacts; outlines: mean fn by each method. The circle is 1, the mean of all directions. */
+void rose_draw(cairo_t *cairo, double width, double height, const char *title, const double share[ROSE_BINS],
+               const struct rose_outline *outlines, size_t count);
+
+#endif

@@ -1,0 +1,41 @@
+/* The tracker's own data, shared by its three stories: what is kept of the reference (reference.c), how the grains of
+ * one photo are found, round by round (rounds.c), and what becomes of it (track_grains.c). */
+#ifndef TRACKER_FOLLOW_H
+#define TRACKER_FOLLOW_H
+
+#include "tracker/follow/target.h"
+#include "tracker/follow/track_grains.h"
+
+enum { QUARTERS = 4 };
+
+struct tracker {
+    const struct photo *reference;
+    const struct photo_grains *grains;
+    struct tracker_options options;
+    struct target *targets; /* patches first, then grains */
+    size_t patch_count, count;
+    size_t first_quarter; /* one piece of paper alone is followed in quarters too, which show the zoom; up to
+                             patch_count */
+    long *nearest;        /* among the grains */
+    struct pyramid reference_pyramid;
+    uint16_t saturation;
+    struct search_workspace *workspaces; /* one per thread */
+    int threads;
+};
+
+/* Everything of one photo. */
+struct follow {
+    struct tracker *tracker;
+    struct target_photos photos;
+    struct pyramid pyramid;
+    struct motion *expected; /* where each target is expected */
+    int *has_expected;
+    struct outcome *outcomes;
+};
+
+/* Look for every target that is not there yet: from where it is expected, from its neighbours, from nothing. */
+int rounds_find(struct follow *follow);
+/* The reference photo in itself: no motion, exactly. */
+int rounds_stay(struct follow *follow);
+
+#endif

@@ -1,0 +1,66 @@
+#include "tracker/search/consistency.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double usual_noise = 3;     /* times the median */
+static const double beyond_doubt = 0.95; /* ZNCC: no wrong place reaches it, whatever the noise says */
+static const double deep = 0.15;         /* overlap over the smaller radius that grains cannot have */
+enum { FEWEST = 8 };                     /* grains that make a usual noise */
+
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void consistency_demote(struct outcome *outcomes, size_t count)
+{
+    double *noise = malloc((count + 1) * sizeof *noise);
+    size_t good = 0;
+    for (size_t k = 0; noise && k < count; k++)
+        if (outcomes[k].found == 2)
+            noise[good++] = outcomes[k].fit.noise;
+    if (good >= FEWEST) {
+        qsort(noise, good, sizeof *noise, compare);
+        double limit = usual_noise * noise[good / 2];
+        for (size_t k = 0; k < count; k++)
+            if (outcomes[k].found == 2 && outcomes[k].fit.zncc < beyond_doubt && outcomes[k].fit.noise > limit)
+                outcomes[k].found = 1;
+    }
+    free(noise);
+}
+
+static int sits_on_another(const struct target *targets, const double *radius, const struct outcome *outcomes,
+                           size_t count, size_t k)
+{
+    double x = targets[k].shape.cx + outcomes[k].fit.motion.u, y = targets[k].shape.cy + outcomes[k].fit.motion.v;
+    for (size_t m = 0; m < count; m++) {
+        if (m == k || outcomes[m].found < 2)
+            continue;
+        double dx = targets[m].shape.cx + outcomes[m].fit.motion.u - x;
+        double dy = targets[m].shape.cy + outcomes[m].fit.motion.v - y;
+        double before = hypot(targets[m].shape.cx - targets[k].shape.cx, targets[m].shape.cy - targets[k].shape.cy);
+        double limit = fmin(radius[k] + radius[m], before) - deep * fmin(radius[k], radius[m]);
+        if (hypot(dx, dy) < limit)
+            return 1;
+    }
+    return 0;
+}
+
+static int left_its_neighbours(const long *nearest, const double *radius, const struct outcome *outcomes, size_t k)
+{
+    struct motion usual;
+    if (neighbours_motion(nearest + k * NEIGHBOURS, outcomes, &usual) < 3)
+        return 0;
+    return hypot(outcomes[k].fit.motion.u - usual.u, outcomes[k].fit.motion.v - usual.v) > radius[k];
+}
+
+void consistency_check(const struct target *targets, const double *grain_radius, const long *nearest,
+                       struct outcome *outcomes, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        if (outcomes[k].found && outcomes[k].searched)
+            outcomes[k].contradicted = sits_on_another(targets, grain_radius, outcomes, count, k) ||
+                                       left_its_neighbours(nearest, grain_radius, outcomes, k);
+}

@@ -1,0 +1,88 @@
+#include "tracker/subset/kernel.h"
+
+#include "pipeline/numbers/simd.h"
+
+enum { STRETCH = 128, LANES = 16 }; /* pixels at a time; partial sums, the same on every machine */
+
+struct line kernel_line(const struct subset *subset, const struct patch *patch, const struct motion *motion,
+                        const struct run *run)
+{
+    double c = cos(motion->angle), s = sin(motion->angle);
+    double dx = run->x - subset->shape.cx, dy = run->y - subset->shape.cy;
+    return (struct line){(float)(subset->shape.cx + motion->u + c * dx + s * dy - patch->x0),
+                         (float)(subset->shape.cy + motion->v - s * dx + c * dy - patch->y0), (float)c, (float)-s};
+}
+
+struct partial {
+    float one[LANES], square[LANES], plane[SUBSET_PLANES][LANES];
+};
+
+/* Sums of one stretch: few enough pixels for single precision. */
+SIMD_CLONES static void add_products(const float *restrict t, const float *restrict planes, size_t plane_size,
+                                     int count, struct partial *restrict sums)
+{
+    const float *x = planes, *y = x + plane_size, *a = y + plane_size, *g = a + plane_size;
+    int i = 0;
+    for (; i + LANES <= count; i += LANES)
+        for (int l = 0; l < LANES; l++) {
+            float v = t[i + l];
+            sums->one[l] += v;
+            sums->square[l] += v * v;
+            sums->plane[SUBSET_ZX][l] += v * x[i + l];
+            sums->plane[SUBSET_ZY][l] += v * y[i + l];
+            sums->plane[SUBSET_ZA][l] += v * a[i + l];
+            sums->plane[SUBSET_GREY][l] += v * g[i + l];
+        }
+    for (int l = 0; i + l < count; l++) {
+        float v = t[i + l];
+        sums->one[l] += v;
+        sums->square[l] += v * v;
+        sums->plane[SUBSET_ZX][l] += v * x[i + l];
+        sums->plane[SUBSET_ZY][l] += v * y[i + l];
+        sums->plane[SUBSET_ZA][l] += v * a[i + l];
+        sums->plane[SUBSET_GREY][l] += v * g[i + l];
+    }
+}
+
+static double total(const float lanes[LANES])
+{
+    double sum = 0;
+    for (int l = 0; l < LANES; l++)
+        sum += lanes[l];
+    return sum;
+}
+
+/* Move the partial sums into the double ones. */
+static void flush(struct partial *partial, struct kernel_sums *sums)
+{
+    sums->one += total(partial->one);
+    sums->square += total(partial->square);
+    for (int p = 0; p < SUBSET_PLANES; p++)
+        sums->plane[p] += total(partial->plane[p]);
+    *partial = (struct partial){0};
+}
+
+void kernel_sums(const struct subset *subset, const struct patch *patch, const struct motion *motion,
+                 struct kernel_sums *sums)
+{
+    interpolate_line *interpolate = interpolate_chosen(patch->order);
+    struct partial partial = {0};
+    float t[STRETCH];
+    int waiting = 0;
+    *sums = (struct kernel_sums){0};
+    for (size_t k = 0; k < subset->run_count; k++) {
+        const struct run *run = &subset->runs[k];
+        struct line line = kernel_line(subset, patch, motion, run);
+        for (int begin = 0; begin < run->count; begin += STRETCH) {
+            int count = run->count - begin < STRETCH ? run->count - begin : STRETCH;
+            interpolate(patch, &line, begin, count, t);
+            add_products(t, subset->planes + run->offset + begin, subset->count, count, &partial);
+            waiting += count;
+            if (waiting > 16 * STRETCH) {
+                flush(&partial, sums);
+                waiting = 0;
+            }
+        }
+    }
+    flush(&partial, sums);
+}
