@@ -19,7 +19,7 @@ const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
 
 static int stiffness_given(const struct force_options *options)
 {
-    return elastic_known(&options->law);
+    return contact_law_known(&options->law);
 }
 
 static int check_options(const struct force_options *options, enum force_method method)

@@ -11,7 +11,7 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAW_COUNT = 5 };
+enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAWS = 5, PLASTIC = 3 };
 
 struct options {
     struct cli cli;
@@ -19,14 +19,9 @@ struct options {
     struct law_probe probe;
 };
 
-static const struct {
-    const char *name;
-    enum contact_law_kind kind;
-} laws[LAW_COUNT] = {{"hertz_pfc", LAW_HERTZ_PFC},
-                     {"hertz_mindlin", LAW_HERTZ_MINDLIN},
-                     {"pohrt_popov", LAW_POHRT_POPOV},
-                     {"pohrt_popov_plastic", LAW_POHRT_POPOV_PLASTIC},
-                     {"linear", LAW_LINEAR}};
+/* Those of Tolomeo and McDowell; the first one says how stiff the linear one is, number PLASTIC is drawn by groups. */
+static const struct law *const laws[LAWS] = {&hertz_pfc_law, &hertz_mindlin_law, &pohrt_popov_law,
+                                             &pohrt_popov_plastic_law, &linear_law};
 
 static const char documentation[] =
     "Contact laws compared on one small-strain biaxial probe of the scene's packing (Tolomeo and McDowell 2022): how "
@@ -93,14 +88,14 @@ static cJSON *describe_curve(const char *name, const struct law_curve *curve, do
 }
 
 /* Four panels: E over strain, deviator, contacts of the plastic law by group, their directions. */
-static int draw(const char *path, const struct law_curve curves[LAW_COUNT], double length)
+static int draw(const char *path, const struct law_curve curves[LAWS], double length)
 {
     size_t n = curves[0].count, up = curves[0].loading;
-    double *block = malloc((LAW_COUNT * 3 + 2 * GROUPS) * n * sizeof *block), *next = block;
-    struct chart_curve moduli[LAW_COUNT], deviators[LAW_COUNT], counts[GROUPS], angles[GROUPS];
+    double *block = malloc((LAWS * 3 + 2 * GROUPS) * n * sizeof *block), *next = block;
+    struct chart_curve moduli[LAWS], deviators[LAWS], counts[GROUPS], angles[GROUPS];
     if (!block)
         return error_memory("picture");
-    for (int l = 0; l < LAW_COUNT; l++) {
+    for (int l = 0; l < LAWS; l++) {
         double *x = next, *y = x + n, *q = y + n;
         next = q + n;
         for (size_t k = 0; k < n; k++) {
@@ -108,10 +103,10 @@ static int draw(const char *path, const struct law_curve curves[LAW_COUNT], doub
             y[k] = 1e-6 * curves[l].steps[k].young / length;
             q[k] = 1e-3 * curves[l].steps[k].deviator / length;
         }
-        moduli[l] = (struct chart_curve){laws[l].name, x, y, up, CHART_LINE};
-        deviators[l] = (struct chart_curve){laws[l].name, x, q, n, CHART_LINE};
+        moduli[l] = (struct chart_curve){laws[l]->name, x, y, up, CHART_LINE};
+        deviators[l] = (struct chart_curve){laws[l]->name, x, q, n, CHART_LINE};
     }
-    const struct law_curve *plastic = &curves[3];
+    const struct law_curve *plastic = &curves[PLASTIC];
     for (int g = 0; g < GROUPS; g++) {
         double *count = next, *angle = count + n;
         next = angle + n;
@@ -119,12 +114,12 @@ static int draw(const char *path, const struct law_curve curves[LAW_COUNT], doub
             count[k] = (double)plastic->steps[k].count[g];
             angle[k] = plastic->steps[k].angle[g] * 57.29577951308232;
         }
-        counts[g] = (struct chart_curve){GROUP_NAMES[g], moduli[3].x, count, up, CHART_LINE};
-        angles[g] = (struct chart_curve){GROUP_NAMES[g], moduli[3].x, angle, up, CHART_LINE};
+        counts[g] = (struct chart_curve){GROUP_NAMES[g], moduli[PLASTIC].x, count, up, CHART_LINE};
+        angles[g] = (struct chart_curve){GROUP_NAMES[g], moduli[PLASTIC].x, angle, up, CHART_LINE};
     }
     struct chart_panel panels[] = {
-        {"Tangent modulus", "axial strain", "E, MPa", 1, 0, moduli, LAW_COUNT},
-        {"Loading and unloading", "axial strain", "q, kPa", 0, 0, deviators, LAW_COUNT},
+        {"Tangent modulus", "axial strain", "E, MPa", 1, 0, moduli, LAWS},
+        {"Loading and unloading", "axial strain", "q, kPa", 0, 0, deviators, LAWS},
         {"Contacts, pohrt_popov_plastic", "axial strain", "contacts", 1, 0, counts, GROUPS},
         {"Their direction from the horizontal", "axial strain", "degrees", 1, 0, angles, GROUPS}};
     int status = chart_write(path, panels, 4);
@@ -136,13 +131,13 @@ static int draw(const char *path, const struct law_curve curves[LAW_COUNT], doub
 static int compare(const struct options *options, const struct simulation *simulation, struct law_curve *curves)
 {
     double stiffness = 0;
-    for (int l = 0; l < LAW_COUNT; l++) {
+    for (int l = 0; l < LAWS; l++) {
         struct contact_law law = simulation->law;
-        law.kind = laws[l].kind;
-        if (law.kind == LAW_LINEAR)
+        law.row = laws[l];
+        if (law.row->linear)
             law.kn = stiffness;
         if (law_compare(simulation, &law, &options->probe, &curves[l]))
-            return error_context("%s", laws[l].name);
+            return error_context("%s", laws[l]->name);
         if (l == 0)
             stiffness = curves[l].mean_stiffness;
     }
@@ -154,8 +149,8 @@ static int write_all(const struct options *options, const struct law_curve *curv
     cJSON *object = cJSON_CreateObject(), *list = cJSON_CreateArray();
     size_t moving = 0, steps = 0;
     cJSON_AddStringToObject(object, "schema", "film.laws/1");
-    for (int l = 0; l < LAW_COUNT; l++) {
-        cJSON_AddItemToArray(list, describe_curve(laws[l].name, &curves[l], length));
+    for (int l = 0; l < LAWS; l++) {
+        cJSON_AddItemToArray(list, describe_curve(laws[l]->name, &curves[l], length));
         for (size_t k = 0; k < curves[l].count; k++, steps++)
             moving += !curves[l].steps[k].rested;
     }
@@ -170,7 +165,7 @@ static int run(const struct options *options)
 {
     struct scene scene = {0};
     struct simulation_plan plan = {0};
-    struct law_curve curves[LAW_COUNT] = {{.count = 0}};
+    struct law_curve curves[LAWS] = {{.count = 0}};
     int status = scene_read(options->cli.scene, &scene);
     if (!status)
         status = simulation_read(&scene, &plan);
@@ -183,7 +178,7 @@ static int run(const struct options *options)
         status = compare(options, &plan.simulation, curves);
     if (!status)
         status = write_all(options, curves, isnan(plan.simulation.length) ? 1 : plan.simulation.length);
-    for (int l = 0; l < LAW_COUNT; l++)
+    for (int l = 0; l < LAWS; l++)
         law_curve_free(&curves[l]);
     simulation_plan_free(&plan);
     scene_free(&scene);

@@ -70,13 +70,13 @@ int probe_adapt(const struct probe_packing *packing, const struct contact_law *l
     adapted->simulation.law = *law;
     adapted->simulation.law.mu = packing->simulation.law.mu; /* that of the compression */
     adapted->simulation.law.mu_wall = packing->simulation.law.mu_wall;
-    dem_change_law(&loading->dem, &adapted->simulation.law);
+    int status = dem_change_law(&loading->dem, &adapted->simulation.law);
     scale_tangential(&loading->dem, ratio);
     loading->stiffness *= pow(ratio, 2.0 / 3);
     loading->time_step *= pow(ratio, -1.0 / 3);
     loading->steps = 0;
     loading->servo.hold[BOX_WIDTH] = loading->servo.hold[BOX_HEIGHT] = HOLD_STRESS;
-    if (relax(adapted) < 0) {
+    if (status || relax(adapted) < 0) {
         probe_packing_free(adapted);
         return -1;
     }

@@ -21,7 +21,7 @@ static void rescale_to_loads(const struct network *network, double *f)
 static int from_overlap(const struct packing *packing, const struct network *network,
                         const struct force_options *options, double *f)
 {
-    if (!elastic_known(&options->law))
+    if (!contact_law_known(&options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m, or start from zero or mean");
     if (!packing->contacts.overlap)
         return error_input("the contacts have no overlaps: run contacts again, or start from zero or mean");
@@ -172,8 +172,8 @@ static void advance(const struct packing *packing, const struct network *network
     fn = old || isfinite(fn) ? fn : 0;
     ft = isfinite(ft) ? ft : 0;
     struct contact_pair pair = elastic_pair(packing, &options->law, row);
-    elastic_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
-                    known_n && known_t ? dut : 0, &fn, &ft);
+    contact_pair_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
+                         known_n && known_t ? dut : 0, &fn, &ft);
     if (old && !known_n)
         fn = ft = NAN;
     else if (old && !known_t && fn > 0)
@@ -196,7 +196,7 @@ static int advance_all(const struct packing *packing, const struct network *netw
 int cem_forces(const struct packing *packing, const struct network *network, const struct force_options *options,
                double *f)
 {
-    if (!elastic_known(&options->law))
+    if (!contact_law_known(&options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
     if (options->previous ? from_previous(packing, network, options->previous, METHOD_CEM, f)
                           : from_overlap(packing, network, options, f))
@@ -223,8 +223,9 @@ int start_forces(const struct packing *packing, const struct network *network, c
     memset(f, 0, 2 * network->count * sizeof *f);
     switch (options->start) {
     case START_DEFAULT:
-        return elastic_known(&options->law) && packing->contacts.overlap ? from_overlap(packing, network, options, f)
-                                                                         : 0;
+        return contact_law_known(&options->law) && packing->contacts.overlap
+                   ? from_overlap(packing, network, options, f)
+                   : 0;
     case START_ZERO:
         return 0;
     case START_MEAN:

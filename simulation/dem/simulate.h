@@ -5,7 +5,7 @@
  *     struct simulation simulation = SIMULATION_DEFAULT;
  *     simulation.grading = (struct grade[]){{52, 8e-3}, {28, 12e-3}};
  *     simulation.grade_count = 2;
- *     simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
+ *     simulation.law = (struct contact_law){.kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
  *     simulation.kappa = 200;
  *     simulate(&simulation, save, user);      // save() is called with each state */
 #ifndef SIMULATION_SIMULATE_H

@@ -13,7 +13,7 @@ static const struct servo HELD = {0};
 static void discs(struct dem *dem, size_t count, double radius, double mu)
 {
     check_done(dem_alloc(dem, count));
-    dem->law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e6, .kt_over_kn = 0.8, .mu = mu};
+    dem->law = (struct contact_law){.row = &linear_law, .kn = 1e6, .kt_over_kn = 0.8, .mu = mu};
     dem->mu = mu;
     dem->skin = 0.3 * radius;
     for (size_t k = 0; k < count; k++) {

@@ -108,7 +108,7 @@ static struct simulation fifty(double kappa)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 2;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
     simulation.kappa = kappa;
     simulation.test = TEST_CYCLIC;
     simulation.amplitude = 0.3;
@@ -124,12 +124,12 @@ static struct simulation fifty(double kappa)
 static void overlapping_grains_are_parted(void **state)
 {
     (void)state;
-    static const enum contact_law_kind kinds[] = {LAW_LINEAR, LAW_HERTZ_MINDLIN, LAW_POHRT_POPOV_PLASTIC};
+    static const struct law *const rows[] = {&linear_law, &hertz_mindlin_law, &pohrt_popov_plastic_law};
     for (int l = 0; l < 3; l++) {
         struct simulation simulation = fifty(5000);
         if (l) {
             simulation.kappa = NAN, simulation.pressure = 2000;
-            simulation.law = (struct contact_law){kinds[l], NAN, 1.5 / 1.75, 0.5, 0, 6e9, 0.25, 2.13, 1e-6};
+            simulation.law = (struct contact_law){rows[l], NAN, 1.5 / 1.75, 0.5, 0, 6e9, 0.25, 2.13, 1e-6};
         }
         struct loading loading = {.simulation = &simulation};
         struct unpress result;
