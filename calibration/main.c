@@ -4,6 +4,7 @@
 
 #include "calibration/commands/calibration_commands.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/read_record.h"
 
 static const struct command {
     const char *name, *full_name;
@@ -32,6 +33,7 @@ static void print_help(FILE *out)
 
 int main(int argc, char **argv)
 {
+    read_record_begin();
     if (argc > 1 && !strcmp(argv[1], "--help")) {
         print_help(stdout);
         return EXIT_DONE;

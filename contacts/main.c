@@ -5,6 +5,7 @@
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/packing/loads.h"
 
 static int run(const struct arguments *arguments)
@@ -69,6 +70,7 @@ static int run(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     struct arguments arguments = ARGUMENTS_NONE;
+    read_record_begin();
     cli_parse(&contacts_argp, argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 
 static int check(int fd, const char *path, size_t most)
@@ -23,14 +24,23 @@ static int check(int fd, const char *path, size_t most)
     return 0;
 }
 
-FILE *input_file_open(const char *path, size_t most)
+int input_descriptor(const char *path, size_t most)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK); /* a pipe without a writer opens at once */
-    if (fd < 0) {
-        error_set(EXIT_INPUT, "%s: %s: name a file that can be read", path, strerror(errno));
+    if (fd < 0)
+        return error_input("%s: %s: name a file that can be read", path, strerror(errno));
+    if (!check(fd, path, most))
+        return fd;
+    close(fd);
+    return -1;
+}
+
+FILE *input_file_open(const char *path, size_t most)
+{
+    int fd = input_descriptor(path, most);
+    if (fd < 0)
         return NULL;
-    }
-    int refused = check(fd, path, most);
+    int refused = read_record_note(path, fd);
     FILE *file = refused ? NULL : fdopen(fd, "r");
     if (file)
         return file;

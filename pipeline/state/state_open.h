@@ -8,8 +8,12 @@
 
 struct state {
     char *path;
+    int fd; /* what is read is what was opened first, whatever takes its name meanwhile */
     hid_t hdf;
 };
+
+/* The name under which HDF5 and stdio open that descriptor's file. */
+void state_own_name(const struct state *state, char name[64]);
 
 /* Is there an object `name` in a group? 1: there, by a hard link; 0: absent; -1: a link that leads elsewhere, or damage
  * (error set). */
