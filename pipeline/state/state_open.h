@@ -27,6 +27,8 @@ int state_lacks(const struct state *state, const char *kind, const char *group, 
 
 /* 0: *text is to be freed; 1: no such attribute; -1: error (set). */
 int state_attribute_text(const struct state *state, const char *group, const char *name, char **text);
+/* The same of an open dataset. */
+int state_dataset_text(const struct state *state, hid_t dataset, const char *name, char **text);
 /* One integer of the root group; 0, 1 or -1 as above. */
 int state_attribute_integer(const struct state *state, const char *name, int64_t *value);
 
