@@ -13,7 +13,7 @@
  */
 int input_descriptor(const char *path, size_t most);
 
-/* The same as a stream, at its beginning, noted in the record of what was read (files/read_record.h); NULL with an
+/* The same as a stream of text, at its beginning (behind a byte order mark of UTF-8), noted in the record of what was read (files/read_record.h); NULL with an
  * error. */
 FILE *input_file_open(const char *path, size_t most);
 

@@ -68,10 +68,7 @@ static char *next_line(struct reader *reader, int *failed)
             *failed = error_input("%s:%ld: a zero byte: save the table as plain text", reader->path, reader->number);
             return NULL;
         }
-        char *text = reader->line;
-        if (reader->number == 1 && !strncmp(text, "\xEF\xBB\xBF", 3))
-            text += 3; /* spreadsheets write a byte order mark */
-        text = trim(text);
+        char *text = trim(reader->line);
         if (*text)
             return text;
     }
