@@ -4,6 +4,7 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
 
@@ -72,5 +73,6 @@ int main(int argc, char **argv)
     cli_parse(&contacts_argp, argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
+    canvas_forget_fonts();
     return cli_finish(&arguments.cli, status);
 }

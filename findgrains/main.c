@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state.h"
 #include "findgrains/picture/overlay.h"
@@ -170,6 +171,6 @@ int main(int argc, char **argv)
     struct arguments arguments = {.cli = CLI_DEFAULT};
     cli_parse(&parser, argc, argv, &arguments);
     int status = cli_finish(&arguments.cli, run(&arguments));
-    overlay_forget_fonts();
+    canvas_forget_fonts();
     return status;
 }

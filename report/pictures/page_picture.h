@@ -8,7 +8,7 @@
 struct picture {
     const char *title;
     double width, height;
-    int (*draw)(cairo_t *cairo, const void *what);
+    int (*draw)(struct canvas *canvas, const void *what);
     const void *what;
 };
 

@@ -2,7 +2,7 @@
 #ifndef REPORT_ROSE_H
 #define REPORT_ROSE_H
 
-#include <cairo.h>
+#include "pipeline/draw/canvas.h"
 
 #include "report/states/distribution.h"
 
@@ -13,7 +13,7 @@ struct rose_outline {
 };
 
 /* Wedges: share of contacts; outlines: mean fn by each method. The circle is 1, the mean of all directions. */
-void rose_draw(cairo_t *cairo, double width, double height, const char *title, const double share[ROSE_BINS],
+void rose_draw(struct canvas *canvas, double width, double height, const char *title, const double share[ROSE_BINS],
                const struct rose_outline *outlines, size_t count);
 
 #endif
