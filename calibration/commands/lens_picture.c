@@ -1,3 +1,7 @@
+/* Distortions of some px in a photo of thousands are not to be seen in their own size: both fields are magnified, each
+ * so that its longest arrow is as long as there is room between two arrows. The correction is what lens_corrected()
+ * moves; residuals without pattern say that eight parameters suffice, a pattern that they do not, or that the plate is
+ * not flat. */
 #include "calibration/commands/lens_picture.h"
 
 #include <stdio.h>
@@ -34,6 +38,7 @@ static double measure(const struct vec *by, size_t count, double *rms)
 }
 
 /* From (0, 0) of the canvas on; `scale`: px of the picture per px of the photo. */
+/* Caption, frame, and an arrow at each place, its dot where it begins. */
 static void draw_field(struct canvas *canvas, const struct field *field, double scale, double height)
 {
     double rms, largest = measure(field->by, field->count, &rms), magnify = largest > 0 ? field->room / largest : 1;
@@ -65,6 +70,7 @@ static struct vec mean_residual(const struct lens_points *points, const struct l
     return vec_scale(1 / n, sum); /* NaN: never followed */
 }
 
+/* Both fields side by side. */
 static int draw(const char *path, const struct lens_points *points, const struct field fields[2])
 {
     const double scale = (double)PANEL / points->width;

@@ -1,3 +1,6 @@
+/* Grains that touch overlap by what squeezes them, others have gaps: with right radii the histogram rises steeply at
+ * zero. Radii that are wrong by d move the edge by 2 d, errors of positions and radii blur it. The fitted density is
+ * that of contacts/radii/pair_statistics.h: squeezed pairs above zero, gaps below it, each with its measured error. */
 #include "contacts/picture/network_picture.h"
 
 #include <stdio.h>

@@ -1,3 +1,7 @@
+/* Photo, frame, circles, numbers, from below; ticks and caption around them (overlay_scale.c). Places are px of the
+ * photo with the centres of pixels at whole numbers: (x + 0.5) zoom is their place in the picture. Greys run from the
+ * level of the voids (black) to 1.6 times that of the grains above it, so that bright grains do not hide the circles.
+ */
 #include "findgrains/picture/overlay.h"
 
 #include <math.h>
@@ -37,12 +41,14 @@ static enum colour colour_of(const struct photo_grains *grains, size_t k)
     return is_flagged(grains, k) ? COLOUR_VERMILLION : COLOUR_SKY;
 }
 
+/* px of a circle with room for it, and of the frame. */
 static double line_width(const struct overlay_layout *layout)
 {
     return fmax(LINE, layout->text / LINES_PER_TEXT);
 }
 
-/* Thinner on small circles, which would else be hidden; whole dashes around a flagged one. */
+/* Thinner on small circles, which would else be hidden. A flagged one has whole dashes around it, 5 at least, of some 5
+ * widths each with its gap: 3 parts of line and 2 of gap, so that dashes and gaps meet where they began. */
 static struct pen pen_of(const struct overlay_layout *layout, const struct photo_grains *grains, size_t k)
 {
     int flagged = is_flagged(grains, k);
@@ -99,6 +105,7 @@ static void draw_row(struct canvas *canvas, const struct overlay_layout *layout,
                      colour_of(grains, k), text);
 }
 
+/* The frame that the grains lie in, and its corner markers. */
 static void draw_zone(struct canvas *canvas, const struct overlay_layout *layout, const struct zone *zone)
 {
     const struct pen pen = {COLOUR_YELLOW, .width = line_width(layout), .round_joins = 1};
@@ -115,6 +122,7 @@ static void draw_zone(struct canvas *canvas, const struct overlay_layout *layout
                    zone->corner_radius * zoom);
 }
 
+/* What the caption says. */
 static struct overlay_facts count_facts(const struct overlay_layout *layout, const struct photo_grains *grains,
                                         const struct find_notes *notes)
 {

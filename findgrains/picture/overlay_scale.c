@@ -1,3 +1,6 @@
+/* The zoom is a whole number, or one over one, so that a place can be read off; letters grow with the picture, which is
+ * looked at as a whole. Right of the photo is room for a tick, a gap and the longest number; below it for ticks,
+ * numbers, and the lines of the caption. */
 #include "findgrains/picture/overlay_scale.h"
 
 #include <math.h>
@@ -19,6 +22,7 @@
 
 /* ---- layout ---- */
 
+/* Of a whole number in decimals. */
 static double count_digits(double number)
 {
     return 1 + floor(log10(fmax(number, 1)));
@@ -59,6 +63,7 @@ static void __attribute__((format(printf, 2, 3))) put(struct overlay_layout *lay
     snprintf(line + length, OVERLAY_CAPTION_LENGTH - length, "%s%s", length ? joint : "", part);
 }
 
+/* Parts that say nothing of this photo are left out. */
 void overlay_layout_caption(const struct overlay_facts *facts, struct overlay_layout *layout)
 {
     memset(layout->caption, 0, sizeof layout->caption);
@@ -80,6 +85,7 @@ void overlay_layout_caption(const struct overlay_facts *facts, struct overlay_la
     layout->height = layout->photo_height + (int)ceil((2 * TICK + LINE * (lines + 1) + 0.5) * layout->text);
 }
 
+/* As large as fits the circle: 0.6 of the radius high, 1.5 radii wide. */
 double overlay_number_size(const struct overlay_layout *layout, double radius_px, size_t number)
 {
     double radius = radius_px * layout->zoom;
@@ -103,6 +109,7 @@ static void draw_tick(const struct overlay_layout *layout, struct canvas *canvas
     pen_segment(canvas, &white, x, y, x + dx, y + dy);
 }
 
+/* Centred below its tick, or to the right of it; not outside the picture. */
 static void draw_number(const struct overlay_layout *layout, struct canvas *canvas, int down, double at)
 {
     char text[32];

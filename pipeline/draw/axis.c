@@ -1,3 +1,7 @@
+/* Ticks of an axis. A length of the axis is parted into six or fewer steps s = 1, 2 or 5 times a power of ten, the
+ * least that is not below a sixth of it, and its ends move outwards to multiples of s: from s floor(low / s) to s
+ * ceil(high / s). The 1e-9 in floor, ceil and comparisons is more than the rounding of such quotients (some 1e-15) and
+ * less than can be seen: a value that is a tick but for rounding does not get a step more. */
 #include "pipeline/draw/axis.h"
 
 #include <math.h>
@@ -7,18 +11,22 @@
  * a number of that size. */
 static const double LEAST_SPAN = 1e-9;
 
+/* value = digit 10^k with digit in [1, 10). */
 double axis_round_down(double value)
 {
     double power = pow(10, floor(log10(value))), digit = value / power;
     return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
 }
 
+/* Above 1 follows 2 (twice), above 2 follows 5 (2.5 times), above 5 follows 10 (twice). */
 double axis_round_up(double value)
 {
     double below = axis_round_down(value), first = below / pow(10, floor(log10(below) + 1e-9));
     return below >= value * (1 - 1e-9) ? below : first > 1.5 && first < 3 ? 2.5 * below : 2 * below;
 }
 
+/* An axis with even steps, of `least_step` at least: 1 keeps ticks at whole numbers, and at decades of a logarithmic
+ * one. Values all alike get a tenth of their size to both sides. */
 static struct axis stepped(double low, double high, double begin, double length, double least_step)
 {
     if (!(high - low > LEAST_SPAN * fmax(fabs(low), fabs(high)))) {

@@ -1,3 +1,6 @@
+/* cairo writes SVG and PDF while it draws and when the surface is finished, PNG at the end. All go to memory first,
+ * then into the temporary file: so every write that the disk refuses is seen here, which cairo does not always tell,
+ * and a file is whole or not there (pipeline/files/new_file.h). */
 #include "pipeline/draw/canvas.h"
 
 #include <cairo-pdf.h>
@@ -39,6 +42,7 @@ static int not_drawn(cairo_status_t status)
     return error_input("the picture cannot be made: %s: look for absurd numbers in the file", reason);
 }
 
+/* Grows by doubling, so that the whole takes time in proportion to its length. -1: memory; the failure is kept. */
 static int append(struct canvas_bytes *bytes, const void *data, size_t length)
 {
     if (bytes->length + length > bytes->capacity) {
@@ -55,6 +59,7 @@ static int append(struct canvas_bytes *bytes, const void *data, size_t length)
     return 0;
 }
 
+/* What cairo calls with each part of a picture. */
 static cairo_status_t keep(void *bytes, const unsigned char *data, unsigned int length)
 {
     return append(bytes, data, length) ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
@@ -156,6 +161,7 @@ static int finish(struct canvas *canvas)
     return status == CAIRO_STATUS_SUCCESS ? 0 : not_drawn(status);
 }
 
+/* The temporary file beside the target; new_file_commit() gives it the name. */
 static int write_bytes(const struct canvas *canvas)
 {
     FILE *file = fopen(canvas->file.temporary, "wb");

@@ -1,3 +1,5 @@
+/* The chart is drawn from behind: grid and numbers, frame, names, then lines and bars in the order in which they were
+ * added, each with its markers, then the key. */
 #include "pipeline/draw/chart.h"
 
 #include <math.h>
@@ -75,6 +77,7 @@ int chart_is_empty(const struct chart *chart)
 
 /* ---- key ---- */
 
+/* How the line of a chart is drawn, in the chart and in the key. */
 static struct pen pen_of(const struct chart_line *line)
 {
     struct pen pen = {.width = line->open ? 0.8 : 1.6, .colour = line->open ? COLOUR_INK : chart_colour(line->style)};
@@ -109,6 +112,7 @@ static void mark(struct canvas *canvas, const struct chart_line *line, double x,
     }
 }
 
+/* With its middle at y. */
 static void draw_key_entry(struct canvas *canvas, const struct chart_line *line, double left, double y)
 {
     struct legend_entry entry = {.pen = pen_of(line), .length = line->unjoined ? 0 : 20};
@@ -144,11 +148,12 @@ static int key(const struct chart *chart, struct canvas *canvas, double width, i
 
 /* ---- axes ---- */
 
-static void measure(struct layout *layout, double width, double height)
+/* Both axes, long enough for every point that can be drawn and for whole bars. */
+static void measure(struct layout *layout, double width, double height, int key_rows)
 {
     const struct chart *chart = layout->chart;
     double x0 = INFINITY, x1 = -INFINITY, y0 = chart->from_zero ? 0 : INFINITY, y1 = chart->from_zero ? 0 : -INFINITY;
-    double above = ABOVE + KEY_ROW * (key(chart, layout->canvas, width, 0) - 1), x, y;
+    double above = ABOVE + KEY_ROW * (key_rows - 1), x, y;
     for (size_t l = 0; l < chart->count; l++)
         for (size_t k = 0; k < chart->lines[l].count; k++)
             if (point(chart, &chart->lines[l], k, &x, &y)) {
@@ -166,6 +171,7 @@ static void measure(struct layout *layout, double width, double height)
         layout->x.from = chart->x_from, layout->x.to = chart->x_to, layout->x.step = chart->x_step;
 }
 
+/* A grid line and a number at each tick. */
 static void draw_ticks(const struct layout *layout)
 {
     static const struct pen grid = {COLOUR_GRID, .width = 1}, frame = {COLOUR_INK, .width = 1};
@@ -184,6 +190,7 @@ static void draw_ticks(const struct layout *layout)
     pen_rectangle(canvas, &frame, x->begin, y->begin, x->length, y->length);
 }
 
+/* Title, name of the x axis below it, name of the y axis upright on its left. */
 static void draw_labels(const struct layout *layout)
 {
     const struct chart *chart = layout->chart;
@@ -197,6 +204,7 @@ static void draw_labels(const struct layout *layout)
 
 /* ---- lines ---- */
 
+/* From the lower end of the upward axis to y, centred on x. */
 static void draw_bars(const struct layout *layout, const struct chart_line *line)
 {
     const struct pen fill = {.colour = chart_colour(line->style)};
@@ -209,14 +217,16 @@ static void draw_bars(const struct layout *layout, const struct chart_line *line
         }
 }
 
-/* Has the point no neighbour to draw a line to? A long line would hide it: the one grey level at which a photo is
- * saturated, every level of an 8-bit photo whose contrast was stretched. */
+/* (A marker for each point of a long line would be a band.) Has the point no neighbour to draw a line to? A long line
+ * would hide it: the one grey level at which a photo is saturated, every level of an 8-bit photo whose contrast was
+ * stretched. */
 static int is_alone(const struct chart *chart, const struct chart_line *line, size_t k)
 {
     double x, y;
     return !(k > 0 && point(chart, line, k - 1, &x, &y)) && !(k + 1 < line->count && point(chart, line, k + 1, &x, &y));
 }
 
+/* The pen is lifted at points that cannot be drawn. Markers come last, over the line. */
 static void draw_line(const struct layout *layout, const struct chart_line *line)
 {
     const struct pen pen = pen_of(line);
@@ -235,10 +245,11 @@ static void draw_line(const struct layout *layout, const struct chart_line *line
             mark(layout->canvas, line, axis_place(&layout->x, x), axis_place(&layout->y, y));
 }
 
-void chart_draw(const struct chart *chart, struct canvas *canvas, double width, double height)
+/* With room for so many rows of the key. */
+static void draw(const struct chart *chart, struct canvas *canvas, double width, double height, int key_rows)
 {
     struct layout layout = {.chart = chart, .canvas = canvas};
-    measure(&layout, width, height);
+    measure(&layout, width, height, key_rows);
     draw_ticks(&layout);
     draw_labels(&layout);
     for (size_t l = 0; l < chart->count; l++)
@@ -249,15 +260,24 @@ void chart_draw(const struct chart *chart, struct canvas *canvas, double width, 
     key(chart, canvas, width, 1);
 }
 
+void chart_draw(const struct chart *chart, struct canvas *canvas, double width, double height)
+{
+    draw(chart, canvas, width, height, key(chart, canvas, width, 0));
+}
+
 int chart_write(const char *path, const struct chart *charts, size_t count, double width, double height)
 {
     struct canvas canvas;
     if (canvas_begin(&canvas, path, width * (double)count, height))
         return -1;
-    int failed = canvas_keep_words(&canvas);
+    int failed = canvas_keep_words(&canvas), rows = 1;
+    for (size_t k = 0; k < count; k++) {
+        int needed = key(&charts[k], &canvas, width, 0);
+        rows = needed > rows ? needed : rows;
+    }
     for (size_t k = 0; k < count && !failed; k++) {
         canvas_move(&canvas, width * (double)k, 0, 0);
-        chart_draw(&charts[k], &canvas, width, height);
+        draw(&charts[k], &canvas, width, height, rows);
         canvas_restore(&canvas);
     }
     return canvas_end(&canvas, failed);

@@ -44,8 +44,8 @@ enum colour chart_colour(size_t style);
 int chart_is_empty(const struct chart *chart);
 /* Into (0, 0, width, height); 300 x 200 at least look well. Without points: axes from 0 to 1. */
 void chart_draw(const struct chart *chart, struct canvas *canvas, double width, double height);
-/* Charts side by side, each of that size, as a picture file whose words stay words in an SVG; canvas_begin() says what
- * can go wrong. The charts stay the caller's. */
+/* Charts side by side, each of that size and with axes of one height, as a picture file whose words stay words in an
+ * SVG; canvas_begin() says what can go wrong. The charts stay the caller's. */
 int chart_write(const char *path, const struct chart *charts, size_t count, double width, double height);
 void chart_free(struct chart *chart); /* accepts a zeroed struct */
 

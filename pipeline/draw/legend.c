@@ -1,3 +1,4 @@
+/* A ring of 7 px in a sample of 22 px leaves room for its line, up to 3 px wide, at the height of a row of words. */
 #include "pipeline/draw/legend.h"
 
 void legend_sample(struct canvas *canvas, const struct legend_entry *entry, double x, double y)

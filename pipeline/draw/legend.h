@@ -1,4 +1,5 @@
-/* What a legend is made of. */
+/* What a legend is made of: samples with words, and a bar that tells lengths. What stands where is up to the picture:
+ * maps have theirs below, charts above. */
 #ifndef DRAW_LEGEND_H
 #define DRAW_LEGEND_H
 

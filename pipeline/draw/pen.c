@@ -1,8 +1,12 @@
+/* Every function leaves an empty path behind, and sets all that decides how a line looks: what was drawn before does
+ * not matter. */
 #include "pipeline/draw/pen.h"
 
 #include <cairo.h>
 #include <math.h>
 
+/* Red, green, blue. The eight of Okabe and Ito (2008, "Color universal design") but black, for which a dark grey
+ * stands. */
 static const double PALETTE[][3] = {
     [COLOUR_INK] = {0.133, 0.133, 0.133},    [COLOUR_BLUE] = {0.000, 0.447, 0.698},
     [COLOUR_GREEN] = {0.000, 0.620, 0.451},  [COLOUR_VERMILLION] = {0.835, 0.369, 0.000},
@@ -78,6 +82,8 @@ void pen_rectangle(struct canvas *canvas, const struct pen *pen, double x, doubl
     pen_draw(canvas, pen);
 }
 
+/* The shaft ends inside the head, 0.8 of it from the tip, so that no blunt end stands out of the tip. Head: as wide as
+ * long, along the unit vector u and across it (-u_y, u_x). */
 void pen_arrow(struct canvas *canvas, const struct pen *pen, double x0, double y0, double x1, double y1, double unit)
 {
     double length = hypot(x1 - x0, y1 - y0), head = fmin(7 * unit, 0.5 * length);

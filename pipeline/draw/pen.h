@@ -23,7 +23,7 @@ enum colour {
     COLOUR_WHITE
 };
 
-/* Zero is an opaque fill in ink. */
+/* Zero is an opaque fill in ink; what is said of a line does not matter to a fill. Lengths are px. */
 struct pen {
     enum colour colour;
     double width;                /* 0: fill */

@@ -1,3 +1,6 @@
+/* A photo has more greys than a picture and often more pixels. Greys go by a straight line from [black, white] to
+ * [0, 255], clipped. Pixels are averaged over whole blocks, reduced * reduced of them, the largest blocks that are not
+ * coarser than the picture; cairo then fits the rest, less than a factor of two, by its own filter. */
 #include "pipeline/draw/photo_background.h"
 
 #include <cairo.h>
@@ -52,6 +55,7 @@ static cairo_surface_t *paint(const struct raster *raster)
     return surface;
 }
 
+/* To 0 ... most, whatever the value: a scene may place the photo anywhere. */
 static int clamp(double value, int most)
 {
     return value < 0 ? 0 : value > most ? most : (int)value;
@@ -105,6 +109,8 @@ int photo_background(struct canvas *canvas, const struct photo *photo, const str
     if (!surface)
         return -1;
     canvas_clip(canvas, 0, 0, width, height);
+    /* From the picture to px of the photo (pixel centres are whole numbers: its edge lies half a px before), to blocks.
+     */
     cairo_scale(cairo, width / (view->x1 - view->x0), height / (view->y1 - view->y0));
     cairo_translate(cairo, raster.x0 - 0.5 - view->x0, raster.y0 - 0.5 - view->y0);
     cairo_scale(cairo, raster.reduced, raster.reduced);

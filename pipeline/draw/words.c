@@ -1,3 +1,6 @@
+/* cairo shows letters as outlines, in every format. In an SVG whose canvas keeps its words they become <text> elements
+ * instead, at the place on the page that user coordinates have there; their widths, which the layout needs, are still
+ * those of the fonts of this machine. */
 #include "pipeline/draw/words.h"
 
 #include <cairo.h>
@@ -7,6 +10,7 @@
 
 enum { LONGEST_TEXT = 1000 };
 
+/* The size is that of the letters' em, px. */
 static void choose_font(cairo_t *cairo, double size, int bold)
 {
     cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
@@ -68,6 +72,7 @@ void words_within(struct canvas *canvas, double x, double y, double width, doubl
     words_draw(canvas, x, y, 0, wide > width ? size * width / wide : size, bold, text);
 }
 
+/* The edge is a line of a fifth of the size along the outline, half of which the letters then cover. */
 void words_over_photo(struct canvas *canvas, double x, double y, double size, enum colour colour, const char *text)
 {
     cairo_t *cairo = canvas->cairo;

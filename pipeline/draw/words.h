@@ -5,7 +5,7 @@
 
 #include "pipeline/draw/pen.h"
 
-/* The width that a text takes. */
+/* The width that a text takes, px of the canvas before canvas_move() turns it. */
 double words_width(struct canvas *canvas, double size, int bold, const char *text);
 /* With the left end, the middle or the right end (align 0, 0.5, 1) of the baseline at (x, y). */
 void words_draw(struct canvas *canvas, double x, double y, double align, double size, int bold, const char *text);

@@ -1,3 +1,7 @@
+/* The width of a line is in proportion to the normal force, w = 0.22 r fn / <fn>, r being the mean radius of the grains
+ * and <fn> the mean over loaded contacts of this state or of all that are compared: chains stand out as they do in
+ * photoelastic pictures. From 8 <fn> on lines are as wide as there; the legend says how many those are. The map lies in
+ * metres with y upwards, the picture in px with y downwards: across() and down() lead from one to the other. */
 #include "report/pictures/force_map.h"
 
 #include <math.h>
@@ -14,8 +18,12 @@ static const double MEAN_WIDTH = 0.22;
 /* Of the unit: from here on all lines are as wide, so that one absurd force does not cover the others. */
 static const double WIDEST = 8;
 
-/* ---- the view ---- */
+/* ---- the view ----
+ *
+ * A margin of 3 % of the longer side lies around the box that is shown; below the view is room for the legend, an
+ * eighth of the width. A packing that is more than 20 times as high as wide would be a thread. */
 
+/* By a circle; one without a place or a size is left out. */
 static void widen(struct force_map_box *box, double x, double y, double r)
 {
     if (!isfinite(x) || !isfinite(y) || !isfinite(r))
@@ -63,6 +71,7 @@ int force_map_measure(struct force_map *map)
     return 0;
 }
 
+/* px of a place in m. */
 static double across(const struct force_map *map, double x)
 {
     return map->scale * (x - map->x0);
@@ -75,6 +84,7 @@ static double down(const struct force_map *map, double y)
 
 /* ---- grains and walls ---- */
 
+/* Has the grain a place and a size? Those that were lost have none. */
 static int is_drawn(const struct grains *grains, size_t k)
 {
     return isfinite(grains->x[k]) && isfinite(grains->y[k]) && isfinite(grains->radius[k]) && grains->radius[k] > 0;
@@ -87,6 +97,7 @@ static void draw_grain(const struct force_map *map, struct canvas *canvas, const
     pen_circle(canvas, pen, across(map, grains->x[k]), down(map, grains->y[k]), part * map->scale * grains->radius[k]);
 }
 
+/* Grains as discs: grey when they bear forces, white when they are rattlers. */
 static void draw_circles(const struct force_map *map, struct canvas *canvas)
 {
     const struct grains *grains = &map->packing->grains;
@@ -118,6 +129,7 @@ static void draw_flags(const struct force_map *map, struct canvas *canvas)
     }
 }
 
+/* Straight walls as lines, corner discs as circles. */
 static void draw_walls(const struct force_map *map, struct canvas *canvas)
 {
     const struct walls *walls = &map->packing->walls;
@@ -138,6 +150,7 @@ struct line {
     size_t contact;
 };
 
+/* Ties by number, so that the picture does not depend on the sort. */
 static int by_force(const void *left, const void *right)
 {
     const struct line *p = left, *q = right;
@@ -146,6 +159,7 @@ static int by_force(const void *left, const void *right)
     return (p->contact > q->contact) - (p->contact < q->contact);
 }
 
+/* m; NaN without grains. */
 static double mean_radius(const struct grains *grains)
 {
     double sum = 0;
@@ -190,6 +204,7 @@ size_t force_map_cut_lines(const struct force_map *map)
     return cut;
 }
 
+/* As the file says; without a status, where the tangential force is the limit mu fn but for 0.1 %. */
 static int slips(const struct forces *forces, size_t c)
 {
     if (forces->contact.ft[c] == 0) /* nothing to slip with: a frictionless wall */
@@ -230,7 +245,8 @@ static void draw_lines(const struct force_map *map, struct canvas *canvas, const
         }
 }
 
-/* Small forces first, so that chains lie on top. */
+/* Small forces first, so that chains lie on top; contacts without a force, or with one that is not finite, are left
+ * out. */
 static int draw_forces(const struct force_map *map, struct canvas *canvas)
 {
     const struct contact_forces *contact = &map->forces->contact;
@@ -262,6 +278,7 @@ static void draw_contacts(const struct force_map *map, struct canvas *canvas)
 
 /* ---- all of it ---- */
 
+/* Discs, or the photo with the part that the map shows, under a white veil. */
 static int draw_background(const struct force_map *map, struct canvas *canvas)
 {
     if (!map->photo) {

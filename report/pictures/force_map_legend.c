@@ -7,6 +7,7 @@
 #include "pipeline/draw/legend.h"
 #include "report/pictures/force_map.h"
 
+/* Name, grains, contacts and z, state and method: four rows. u is a thousandth of the width: all lengths are in it. */
 static void legend_title(const struct force_map *map, struct canvas *canvas, double x, double y, double u)
 {
     const double width = (map->forces ? 340 : 575) * u;
@@ -44,6 +45,7 @@ static void legend_notes(const struct force_map *map, struct canvas *canvas, dou
     words_within(canvas, x, y, 232 * u, 14 * u, 0, text);
 }
 
+/* One, two and four units of force as wide as they are on the map. */
 static void legend_widths(const struct force_map *map, struct canvas *canvas, double x, double y, double u)
 {
     static const double times[] = {1, 2, 4};
@@ -80,6 +82,7 @@ static void legend_key(const struct force_map *map, struct canvas *canvas, doubl
     }
 }
 
+/* A round length of some 9 % of the width, at most. */
 static void legend_bar(const struct force_map *map, struct canvas *canvas, double right, double y, double u)
 {
     double length = axis_round_down(0.09 * map->width / map->scale), pixels = length * map->scale;

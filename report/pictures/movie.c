@@ -1,3 +1,6 @@
+/* Two passes over the files: the first finds what all frames share - the box around everything, the method, and the
+ * mean force that is the unit of width - so that frames can be compared; the second draws. One packing is in memory at
+ * a time. */
 #include "report/pictures/movie.h"
 
 #include <errno.h>
@@ -21,6 +24,7 @@ struct common {
     const char *method; /* NULL: each file's default */
 };
 
+/* Add one file to it. Its methods count all, whichever is drawn: the choice is made when all are known. */
 static int look_at(const struct movie *movie, const char *path, struct common *common)
 {
     struct packing packing;
@@ -48,6 +52,7 @@ static int look_at_all(const struct movie *movie, char *const paths[], size_t co
     return 0;
 }
 
+/* The photo of that number of the scene, grey. */
 static int read_photo(const struct scene *scene, long index, struct photo *photo)
 {
     struct photo_request request = {.channel = PHOTO_GREY_OF_RGB};
@@ -57,6 +62,7 @@ static int read_photo(const struct scene *scene, long index, struct photo *photo
     return result;
 }
 
+/* DIR/NAME.png of one file; a packing without forces is drawn with its contacts. */
 static int write_frame(const struct movie *movie, const struct common *common, const char *path, const char *folder)
 {
     struct packing packing;

@@ -11,7 +11,10 @@ struct movie {
     double width;              /* px */
 };
 
-/* One DIR/NAME.png per file, NAME: the file's base name up to its first dot. The folder is made when it is absent. */
+/* All files must be packings; the view is the box around all of them, the unit of width the mean over all states of the
+ * method that is drawn. One DIR/NAME.png per file, NAME: the file's base name up to its first dot. The folder is made
+ * when it is absent, and taken away again when no frame came to be. -1 with the error set at the first file that cannot
+ * be read or drawn; frames before it stay. */
 int movie_write(const struct movie *movie, char *const paths[], size_t count, const char *folder);
 
 #endif

@@ -1,3 +1,4 @@
+/* A picture that is asked for as a file is drawn once more: its format may be another one than the page has inside. */
 #include "report/pictures/page_picture.h"
 
 #include <ctype.h>
@@ -5,6 +6,7 @@
 
 #include "pipeline/speak/error.h"
 
+/* The bytes of the picture go into the page. */
 static int put_inside(const struct picture *picture, enum canvas_format format, struct html *html)
 {
     struct canvas canvas;

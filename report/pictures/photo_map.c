@@ -1,3 +1,5 @@
+/* Everything lies in px of the photo, y downwards, and is drawn scale px of the picture per px, from (x0, y0) on. Where
+ * the lens has been undone (x_px), the photo still shows the rim where it was seen (x_seen_px): there it is drawn. */
 #include "report/pictures/photo_map.h"
 
 #include <math.h>
@@ -10,6 +12,7 @@
 #include "pipeline/draw/legend.h"
 #include "pipeline/draw/photo_background.h"
 
+/* Where the rim is seen, px of the photo. */
 static double place_x(const struct photo_grains *grains, size_t k)
 {
     return grains->x_seen_px && isfinite(grains->x_seen_px[k]) ? grains->x_seen_px[k] : grains->x_px[k];
@@ -20,6 +23,7 @@ static double place_y(const struct photo_grains *grains, size_t k)
     return grains->y_seen_px && isfinite(grains->y_seen_px[k]) ? grains->y_seen_px[k] : grains->y_px[k];
 }
 
+/* Known grains that were lost have no place. */
 static int is_placed(const struct photo_grains *grains, size_t k)
 {
     return isfinite(place_x(grains, k)) && isfinite(place_y(grains, k)) && isfinite(grains->radius_px[k]);
@@ -77,6 +81,7 @@ int photo_map_measure(struct photo_map *map)
     return 0;
 }
 
+/* Rim and centre: sky blue, or purple and wider when they are not to be trusted. */
 static void draw_rims(const struct photo_map *map, struct canvas *canvas)
 {
     const struct photo_grains *grains = map->grains;
@@ -106,6 +111,7 @@ static void draw_arrows(const struct photo_map *map, struct canvas *canvas)
     }
 }
 
+/* Title, counts, the length of an arrow and of the scale bar, below the view. */
 static void draw_legend(const struct photo_map *map, struct canvas *canvas)
 {
     double u = map->width / 1000, y = map->view_height;

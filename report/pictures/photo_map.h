@@ -12,7 +12,8 @@ struct photo_map {
     const char *title;
     double width;  /* px of the picture */
     double arrows; /* length of an arrow over that of the motion since the reference; 0: none, NaN: chosen */
-    /* set by photo_map_measure() */
+    /* set by photo_map_measure(): px; px of the picture per px of the photo; px of the photo at the left and the top of
+     * the view; px of the view without the legend */
     double height, scale, x0, y0, view_height;
 };
 

@@ -1,3 +1,6 @@
+/* Directions of contacts, 0 to 2 pi in ROSE_BINS bins, the first one centred on 0. The radius is a share over that of
+ * even directions: a circle of radius 1 is an isotropic packing; the area of a wedge grows with the square of it. Mean
+ * normal forces by direction stand over the mean of all contacts, as outlines, one for each method. */
 #include "report/pictures/rose.h"
 
 #include <math.h>
@@ -13,6 +16,7 @@ static struct pen pen_of(const struct rose_outline *outline)
     return (struct pen){chart_colour(outline->style), .width = 1.8};
 }
 
+/* Wedges first, then a line for each method. */
 static void key(struct canvas *canvas, double left, const struct rose_outline *outlines, size_t count)
 {
     struct legend_entry entry = {LEGEND_PATCH, FACE, .length = 16, .gap = 5, .size = 12, .text = "contacts"};
@@ -26,7 +30,7 @@ static void key(struct canvas *canvas, double left, const struct rose_outline *o
     }
 }
 
-/* Directions without contacts have no radius. */
+/* Directions without contacts have no mean force: their radius is 0. */
 static double known(double value)
 {
     return isnan(value) ? 0 : value;
@@ -49,6 +53,7 @@ static void draw_outline(struct canvas *canvas, double x, double y, double unit,
     pen_arcs(canvas, &pen, x, y, radius, ROSE_BINS);
 }
 
+/* The largest radius, 1.5 at least, fills the space below the key. */
 void rose_draw(struct canvas *canvas, double width, double height, const char *title, const double share[ROSE_BINS],
                const struct rose_outline *outlines, size_t count)
 {
