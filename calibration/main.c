@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "calibration/commands/calibration_commands.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/read_record.h"
 
@@ -45,7 +46,9 @@ int main(int argc, char **argv)
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
         if (!strcmp(argv[1], commands[k].name)) {
             program_invocation_short_name = (char *)commands[k].full_name;
-            return commands[k].run(argc - 1, argv + 1);
+            int status = commands[k].run(argc - 1, argv + 1);
+            canvas_forget_fonts();
+            return status;
         }
     fprintf(stderr, "calibration: %s 'calibration --help' lists the commands\n",
             argc > 1 ? "there is no such command:" : "which command?");

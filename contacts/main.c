@@ -4,6 +4,7 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/packing/loads.h"
@@ -74,5 +75,6 @@ int main(int argc, char **argv)
     cli_parse(&contacts_argp, argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
+    canvas_forget_fonts();
     return cli_finish(&arguments.cli, status);
 }

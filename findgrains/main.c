@@ -3,6 +3,7 @@
 
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state.h"
 #include "findgrains/picture/overlay.h"
@@ -172,6 +173,6 @@ int main(int argc, char **argv)
     read_record_begin();
     cli_parse(&parser, argc, argv, &arguments);
     int status = cli_finish(&arguments.cli, run(&arguments));
-    overlay_forget_fonts();
+    canvas_forget_fonts();
     return status;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "pipeline/draw/pen.h"
 #include "report/compare/figures.h"
 #include "report/pictures/histogram.h"
 #include "report/states/indeterminacy.h"
@@ -175,10 +176,9 @@ static void test_histogram(void **unused)
     photo_free(&photo);
 }
 
-static int draw_dot(cairo_t *cairo, const void *radius)
+static int draw_dot(struct canvas *canvas, const void *radius)
 {
-    cairo_arc(cairo, 50, 50, *(const double *)radius, 0, 6.2832);
-    cairo_fill(cairo);
+    pen_circle(canvas, &(struct pen){0}, 50, 50, *(const double *)radius);
     return 0;
 }
 
