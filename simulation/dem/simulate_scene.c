@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "simulation/dem/loading.h"
 
 enum { MAX_GRAINS = 10000000, MAX_DISCS = 20000, MAX_STATES = 1000000 };
 
