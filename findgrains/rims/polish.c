@@ -1,6 +1,6 @@
 #include "findgrains/rims/polish.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "findgrains/rims/rim_sample.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
 #include "findgrains/rims/refine_circle.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 /* Targets sorted into square cells. */
 struct cells {
