@@ -7,6 +7,7 @@
 #include "calibration/rods/fit.h"
 #include "forces/infer_forces.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/numbers/golden.h"
 #include "pipeline/packing/stress.h"
 
 static const double TRIAL_KN = 1e7; /* N/m: any; forces are proportional to it */
@@ -151,7 +152,7 @@ static int seek_ratio(struct job *job, struct rescale *rescale)
         if (misfit < least)
             least = misfit, best = g * step;
     }
-    best = fit_golden(misfit_at, job, fmax(0, best - step), fmin(MOST_RATIO, best + step), 1e-4);
+    best = golden_section(misfit_at, job, fmax(0, best - step), fmin(MOST_RATIO, best + step), 1e-4);
     double h = 0.02, here = misfit_at(best, job);
     double bend = (misfit_at(best + h, job) + misfit_at(fabs(best - h), job) - 2 * here) / (h * h);
     double freedom = fmax(1, (double)job->used - 2);
