@@ -250,7 +250,7 @@ static void test_figures(void **unused)
         size_t length;
         FILE *stream = open_memstream(&text, &length);
         figures_add(&figures, "name", cases[k].value, cases[k].units, "what");
-        figures_print(&figures, stream);
+        check_done(figures_print(&figures, stream));
         fclose(stream);
         const char *space = strchr(cases[k].shown, ' ');
         int digits = space ? (int)(space - cases[k].shown) : (int)strlen(cases[k].shown);
@@ -260,11 +260,63 @@ static void test_figures(void **unused)
     }
 }
 
+/* A list that is full must not lose figures in silence. */
+static void test_figures_too_many(void **unused)
+{
+    (void)unused;
+    struct figures figures = {.count = 0};
+    enum { ROOM = sizeof figures.list / sizeof *figures.list };
+    for (int k = 0; k < ROOM; k++)
+        figures_add(&figures, "name", k, "1", "what");
+    FILE *stream = fopen("/dev/null", "w");
+    assert_non_null(stream);
+    check_done(figures_print(&figures, stream));
+    figures_add(&figures, "name", 0, "1", "one too many");
+    assert_int_equal(figures_print(&figures, stream), -1);
+    assert_int_equal(figures_write_json(&figures, "/tmp/test_report_numbers.json"), -1);
+    fclose(stream);
+}
+
+/* What the page warns of in a state whose Weber stresses are off the applied ones by these shares. */
+static char *warnings_of(double xx, double yy)
+{
+    char name[] = "0000";
+    struct series_row row = {.name = name, .packing.force_count = 1};
+    struct series series = {.rows = &row, .count = 1};
+    struct force_summary *forces = &row.packing.forces[0];
+    struct html html;
+    strcpy(forces->method, "qsm");
+    row.packing.applied[0][0] = 2e4, row.packing.applied[1][1] = 5e4;
+    forces->weber[0][0] = 2e4 * (1 + xx), forces->weber[1][1] = 5e4 * (1 + yy);
+    forces->overlaps_over_loads = NAN;
+    check_done(html_begin(&html));
+    check_done(page_warnings(&series, &html));
+    check_done(html_end(&html));
+    return html.text;
+}
+
+static void test_stress_is_warned_of(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double xx, yy;
+        int said[2];
+    } cases[] = {{0.09, -0.09, {0, 0}}, {0.11, 0, {1, 0}}, {0, -0.11, {0, 1}}, {-0.3, 0.5, {1, 1}}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char *text = warnings_of(cases[k].xx, cases[k].yy);
+        assert_int_equal(strstr(text, "Weber stress xx is more than") != NULL, cases[k].said[0]);
+        assert_int_equal(strstr(text, "Weber stress yy is more than") != NULL, cases[k].said[1]);
+        free(text);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantiles), cmocka_unit_test(test_indeterminacy),
-                                       cmocka_unit_test(test_oedometer), cmocka_unit_test(test_histogram),
-                                       cmocka_unit_test(test_pictures),  cmocka_unit_test(test_figures)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quantiles),        cmocka_unit_test(test_indeterminacy),
+        cmocka_unit_test(test_oedometer),        cmocka_unit_test(test_histogram),
+        cmocka_unit_test(test_pictures),         cmocka_unit_test(test_figures),
+        cmocka_unit_test(test_figures_too_many), cmocka_unit_test(test_stress_is_warned_of)};
     if (!mkdtemp(folder))
         return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -220,6 +220,33 @@ static void test_applied_gravity(void **unused)
     packing_free(&p);
 }
 
+/* Weights of the top row alone: what they carry downwards crosses every row. (Uniform weights have no moment about the
+ * middle: they would not tell whether their places are seen.) */
+static void test_applied_weights_above(void **unused)
+{
+    (void)unused;
+    struct packing p;
+    make_lattice(&p);
+    const double g = 0.25, across = 0.1;
+    double applied[2][2], volume = area_of(&p) * LENGTH, by_hand = SIDE * g * (SIDE - 0.5) * 2 * R / volume;
+    for (size_t k = 0; k < GRAINS_COUNT; k++)
+        p.grains.load_x[k] = p.grains.load_y[k] = 0;
+    for (int s = 0; s < SIDE; s++)
+        p.grains.load_y[(SIDE - 1) * SIDE + s] = -g;
+    load_walls(&p, 0, 0);
+    p.walls.fy[0] = NAN; /* the bottom bears them */
+    stress_applied(&p, area_of(&p), applied);
+    check_near(applied[1][1], by_hand, 1e-9 * by_hand);
+    check_near(applied[0][0], 0, 1e-9 * by_hand);
+    for (int s = 0; s < SIDE; s++)
+        p.grains.load_x[s * SIDE] = across; /* the left column is pushed towards the right wall */
+    p.walls.fx[1] = NAN;
+    stress_applied(&p, area_of(&p), applied);
+    by_hand = SIDE * across * (SIDE - 0.5) * 2 * R / volume;
+    check_near(applied[0][0], by_hand, 1e-9 * by_hand);
+    packing_free(&p);
+}
+
 /* Without walls: the hull of one disc is the disc; of two, a stadium. */
 static void test_hull(void **unused)
 {
@@ -268,6 +295,7 @@ int main(void)
         cmocka_unit_test(test_weber_one_contact),
         cmocka_unit_test(test_applied),
         cmocka_unit_test(test_applied_gravity),
+        cmocka_unit_test(test_applied_weights_above),
         cmocka_unit_test(test_overlaps_over_loads),
         cmocka_unit_test(test_hull),
         cmocka_unit_test(test_fabric),
