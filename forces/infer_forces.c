@@ -105,7 +105,7 @@ static uint32_t status_of(double mu, double fn, double ft, double margin)
 static void store_contacts(const struct network *network, enum force_method method, const double *f,
                            struct contact_forces *out)
 {
-    double margin = method == METHOD_MAP ? LAW_LEAST_ERROR : STATUS_MARGIN;
+    double margin = method == METHOD_MAP ? LEAST_FORCE_ERROR : STATUS_MARGIN;
     for (size_t c = 0; c < out->count; c++) {
         out->fn[c] = out->ft[c] = 0;
         out->status[c] = STATUS_NOT_USED;

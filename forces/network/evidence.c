@@ -170,7 +170,7 @@ static void fill_share(const struct packing *packing, const struct known_errors 
     for (int k = 0; k < at; k++)
         variance += evidence->share[c][k] * evidence->share[c][k];
     double whole = stiffness * error_of(known, S_OVERLAP, row);
-    evidence->slack[c] = fmax(LAW_LEAST_ERROR * LAW_LEAST_ERROR, whole * whole - variance);
+    evidence->slack[c] = fmax(LEAST_FORCE_ERROR * LEAST_FORCE_ERROR, whole * whole - variance);
 }
 
 /* The force of each overlap, negative where there is a gap, along the law's tangent there; a law whose stiffness grows

@@ -183,7 +183,7 @@ int series_state_measure(struct series *series, size_t s, double offset, double 
         }
         if (at < state->width)
             state->place[c * (size_t)state->width + (size_t)at] = -1;
-        state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LAW_LEAST_ERROR * LAW_LEAST_ERROR;
+        state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LEAST_FORCE_ERROR * LEAST_FORCE_ERROR;
         state->variance[c][TANGENTIAL] = state->slack[c][TANGENTIAL] = 1;
     }
     return 0;

@@ -16,7 +16,7 @@ enum contact_law_kind {
 };
 
 /* No law is better known than this: share of <fn> that is the least error of a force from an overlap. */
-#define LAW_LEAST_ERROR 0.01
+#define LEAST_FORCE_ERROR 0.01
 
 struct contact_law {
     enum contact_law_kind kind;
