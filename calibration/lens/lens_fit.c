@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/lens/lens_model.h"
+#include "calibration/lens/lens_map.h"
 #include "pipeline/speak/error.h"
 
 enum { ITERATIONS = 60 };

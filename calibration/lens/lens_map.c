@@ -1,5 +1,4 @@
-/* What a difference of lenses looks like in the photo. */
-#include "calibration/lens/lens_model.h"
+#include "calibration/lens/lens_map.h"
 
 #include <string.h>
 

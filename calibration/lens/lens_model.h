@@ -3,7 +3,8 @@
 #ifndef CALIBRATION_LENS_MODEL_H
 #define CALIBRATION_LENS_MODEL_H
 
-#include "calibration/lens/lens_fit.h"
+#include "calibration/lens/lens_points.h"
+#include "pipeline/scene/lens.h"
 
 enum { MOTION = 3, SIZE_MAX_UNKNOWNS = LENS_UNKNOWNS + MOTION * LENS_PHOTOS_MAX };
 
@@ -33,8 +34,5 @@ double normal_equations(const struct problem *problem, const double *q, double *
 /* Cholesky in place; 0 when the matrix is not positive definite. Then the solution of m x = right, in place. */
 int factorise(double *m, size_t n);
 void solve(const double *m, size_t n, double *x);
-
-/* Standard error of the map over the photo, rigid motion and scale aside. */
-double map_error(const struct problem *problem, const double *q, double covariance[LENS_UNKNOWNS][LENS_UNKNOWNS]);
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef CALIBRATION_LENS_PLATE_H
 #define CALIBRATION_LENS_PLATE_H
 
-#include "calibration/lens/lens_fit.h"
+#include "calibration/lens/lens_points.h"
 #include "tracker/follow/track_grains.h"
 
 struct plate_options {

@@ -2,8 +2,9 @@
 #ifndef CONTACTS_CONTACT_NETWORK_H
 #define CONTACTS_CONTACT_NETWORK_H
 
+#include "contacts/contact_input.h"
+#include "contacts/contact_summary.h"
 #include "contacts/network/near_pairs.h"
-#include "contacts/find_contacts.h"
 #include "contacts/walls/frame.h"
 
 /* Pairs of grains are of two kinds: where both can be squeezed by what they touch, and where one is idle, held by no

@@ -4,7 +4,7 @@
 #ifndef CONTACTS_FRAME_H
 #define CONTACTS_FRAME_H
 
-#include "contacts/network/support.h"
+#include "contacts/walls/support.h"
 #include "pipeline/scene/lens.h"
 #include "pipeline/packing/patches.h"
 #include "pipeline/scene/scene.h"

@@ -1,9 +1,9 @@
 #include "findgrains/capture/detect.h"
 
-#include "findgrains/capture/circle_candidates.h"
+#include "findgrains/capture/votes.h"
 #include "findgrains/capture/capture.h"
 #include "findgrains/look/level.h"
-#include "findgrains/rims/polish.h"
+#include "findgrains/capture/polish.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef FINDGRAINS_DETECT_H
 #define FINDGRAINS_DETECT_H
 
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 #include "findgrains/look/threshold.h"
 
 #define DETECT_OVERLAP 0.88    /* centres of two grains are at least this share of R_i + R_j apart */

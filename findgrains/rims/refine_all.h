@@ -2,6 +2,7 @@
 #ifndef FINDGRAINS_REFINE_ALL_H
 #define FINDGRAINS_REFINE_ALL_H
 
+#include "findgrains/capture/candidates.h"
 #include "findgrains/rims/refine_circle.h"
 #include "findgrains/look/threshold.h"
 

@@ -1,7 +1,7 @@
 #include "findgrains/rims/rim_looks.h"
 
 #include "findgrains/rims/edge_fit.h"
-#include "findgrains/rims/rim_sample.h"
+#include "findgrains/look/grey.h"
 
 #include <math.h>
 
@@ -29,13 +29,13 @@ static int ray_shows_flank(const struct photo *photo, const struct rim *rim, dou
         return 0;
     int count = 0;
     for (double r = first; r < first + PLATEAU; r += 0.5, count++)
-        level += (sample_grey(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
+        level += (grey_at(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
     level /= count;
     if (level < faintest || level > BRIGHTEST)
         return 0;
     double before = level;
     for (double r = first + PLATEAU; r < last; r += 1) {
-        double now = (sample_grey(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
+        double now = (grey_at(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
         if (0.5 * (now + before) < VOID_AGAIN)
             return 1;
         if (now > level + FAINTEST)

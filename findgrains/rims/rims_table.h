@@ -2,8 +2,9 @@
 #ifndef FINDGRAINS_RIMS_TABLE_H
 #define FINDGRAINS_RIMS_TABLE_H
 
-#include "findgrains/find_grains.h"
+#include "findgrains/look/zone.h"
 #include "findgrains/rims/refine_all.h"
+#include "pipeline/packing/grains.h"
 
 /* Fill the empty table with one row per rim: from top to bottom, or in the order of the rims (keep_order). */
 int rims_table(const struct zone *zone, const struct rims_state *state, const struct rims *rims, int keep_order,

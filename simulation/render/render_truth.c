@@ -281,6 +281,13 @@ int face_contacts(const struct packing *packing, const struct photo_grains *grai
 
 /* ---- the file ---- */
 
+void photo_truth_free(struct photo_truth *truth)
+{
+    table_free(&PHOTO_GRAINS, &truth->grains);
+    table_free(&CONTACTS, &truth->contacts);
+    table_free(&PATCHES, &truth->patches);
+}
+
 char *photo_truth_path(const char *photo_path)
 {
     size_t length = strlen(photo_path);

@@ -3,8 +3,9 @@
 #ifndef TRACKER_FOLLOW_H
 #define TRACKER_FOLLOW_H
 
-#include "tracker/follow/target.h"
-#include "tracker/follow/track_grains.h"
+#include "pipeline/packing/grains.h"
+#include "tracker/follow/track_options.h"
+#include "tracker/search/target.h"
 
 enum { QUARTERS = 4 };
 

@@ -4,6 +4,7 @@
 
 #include "pipeline/speak/error.h"
 #include "tracker/follow/follow.h"
+#include "tracker/follow/track_grains.h"
 #include "tracker/search/neighbours.h"
 #include "pipeline/numbers/simd.h"
 

@@ -8,7 +8,7 @@
 #include "tracker/search/consistency.h"
 #include "tracker/follow/drift.h"
 #include "tracker/follow/follow.h"
-#include "tracker/follow/tracks.h"
+#include "tracker/follow/fill_tracks.h"
 
 /* Can a subset be there? The limit is that of the reference's grains (reference.c); a turn beyond it has no digits. */
 static int within_reach(const struct target *target, const struct motion *motion)

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "tracker/subset/kernel.h"
-#include "tracker/follow/scatter.h"
+#include "tracker/subset/scatter.h"
 
 enum { SLACK = 2, BORDER = 2 }; /* px: loaded around the start; where the spline at the photo's border is not its own */
 

@@ -4,7 +4,7 @@
 #define TRACKER_ICGN_H
 
 #include "tracker/subset/bspline.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 struct icgn_options {

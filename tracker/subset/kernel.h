@@ -5,7 +5,7 @@
 
 #include "tracker/subset/bspline.h"
 #include "tracker/subset/interpolate.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 struct kernel_sums {

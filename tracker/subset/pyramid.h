@@ -3,7 +3,7 @@
 #define TRACKER_PYRAMID_H
 
 #include "pipeline/scene/photo.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 enum { PYRAMID_LEVELS = 4 };

@@ -4,8 +4,8 @@
  *     x = cx + u + cos(angle) dx + sin(angle) dy
  *     y = cy + v - sin(angle) dx + cos(angle) dy
  */
-#ifndef TRACKER_MOTION_H
-#define TRACKER_MOTION_H
+#ifndef TRACKER_RIGID_MOTION_H
+#define TRACKER_RIGID_MOTION_H
 
 #include <math.h>
 

@@ -1,13 +1,10 @@
-/* The rim of a grain in the photo, and small lists of them. px, x right, y down. */
-#ifndef FINDGRAINS_RIM_H
-#define FINDGRAINS_RIM_H
+/* Rims that were seen in the photo, and may be grains: what speaks for each, and lists of them. */
+#ifndef FINDGRAINS_CANDIDATES_H
+#define FINDGRAINS_CANDIDATES_H
 
 #include <stddef.h>
 
-/* r(theta) = radius + c2 cos 2 theta + s2 sin 2 theta, theta from x towards y: clockwise as seen. */
-struct rim {
-    double x, y, radius, c2, s2;
-};
+#include "findgrains/capture/rim.h"
 
 /* A rim that was seen, before its refinement. */
 struct candidate {

@@ -1,4 +1,4 @@
-#include "tracker/follow/scatter.h"
+#include "tracker/subset/scatter.h"
 
 #include <stdlib.h>
 #include <string.h>

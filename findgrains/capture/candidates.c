@@ -1,4 +1,4 @@
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 
 #include "pipeline/speak/error.h"
 

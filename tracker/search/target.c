@@ -1,4 +1,4 @@
-#include "tracker/follow/target.h"
+#include "tracker/search/target.h"
 
 #include <math.h>
 

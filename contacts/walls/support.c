@@ -1,4 +1,4 @@
-#include "contacts/network/support.h"
+#include "contacts/walls/support.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "findgrains/capture/circle_candidates.h"
+#include "findgrains/capture/votes.h"
 
 #include "findgrains/look/opencv_shim.h"
 #include "pipeline/speak/error.h"

@@ -1,7 +1,7 @@
-#include "findgrains/rims/polish.h"
+#include "findgrains/capture/polish.h"
 
 #include "pipeline/numbers/median.h"
-#include "findgrains/rims/rim_sample.h"
+#include "findgrains/look/grey.h"
 
 #include <math.h>
 
@@ -60,7 +60,7 @@ static int find_places(const struct photo *photo, const struct rim *rim, double 
     for (int ray = 0; ray < *rays; ray++) {
         double c = cos(2 * M_PI * ray / *rays), s = sin(2 * M_PI * ray / *rays), at, fall;
         for (int k = 0; k < length; k++)
-            profile[k] = sample_grey(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
+            profile[k] = grey_at(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
         if (steepest(profile, length, arm, FAINTEST * contrast, &at, &fall))
             places[count++] = (struct place){c, s, first + at, fmin(1, 2 * fall / contrast)};
     }

@@ -1,4 +1,4 @@
-#include "findgrains/look/cover.h"
+#include "findgrains/capture/cover.h"
 
 #include "pipeline/speak/error.h"
 
