@@ -46,7 +46,9 @@ static uint32_t flags_of(const struct target *target, const struct outcome *outc
  * in the file's photo, or whether it bore a load there, says nothing of this one. */
 static uint32_t inherited(const struct photo_grains *grains, size_t k)
 {
-    return grains->flags ? grains->flags[k] : 0;
+    const uint32_t of_circle = GRAIN_CUT | GRAIN_WEAK_EDGE | GRAIN_NOT_CONVERGED | GRAIN_SATURATED | GRAIN_NO_CONTRAST |
+                               GRAIN_NOT_FINITE | GRAIN_OVERLAPPING | GRAIN_FIXED | GRAIN_FLANK | GRAIN_BY_HAND;
+    return grains->flags ? grains->flags[k] & of_circle : 0;
 }
 
 static int alloc_grains(const struct photo_grains *grains, const struct lens *lens, struct photo_grains *tracks)
