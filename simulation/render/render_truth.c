@@ -302,16 +302,26 @@ char *photo_truth_path(const char *photo_path)
     return path;
 }
 
-/* What changed the numbers: the optics, the scale, the size. */
+/* The item becomes the object's, or goes when either is not there. */
+static int add_item(cJSON *object, const char *name, cJSON *item)
+{
+    if (object && item && cJSON_AddItemToObject(object, name, item))
+        return 1;
+    cJSON_Delete(item);
+    return 0;
+}
+
+/* What changed the numbers: the optics, the scale, the size. A text that lacks one of them for want of memory would be
+ * believed: NULL then. */
 static char *parameters_text(const struct scene *scene)
 {
-    cJSON *object = cJSON_CreateObject();
     const cJSON *section = scene_section(scene, "optics");
-    cJSON_AddItemToObject(object, "optics", section ? cJSON_Duplicate(section, 1) : cJSON_CreateObject());
-    cJSON_AddNumberToObject(object, "scale_m_per_px", scene->scale);
     double origin[2] = {scene->origin_px.x, scene->origin_px.y};
-    cJSON_AddItemToObject(object, "origin_px", cJSON_CreateDoubleArray(origin, 2));
-    char *text = json_print(object);
+    cJSON *object = cJSON_CreateObject();
+    int whole = add_item(object, "optics", section ? cJSON_Duplicate(section, 1) : cJSON_CreateObject()) &&
+                cJSON_AddNumberToObject(object, "scale_m_per_px", scene->scale) &&
+                add_item(object, "origin_px", cJSON_CreateDoubleArray(origin, 2));
+    char *text = whole ? json_print(object) : NULL;
     cJSON_Delete(object);
     if (!text)
         (void)error_memory("the parameters of a photo");

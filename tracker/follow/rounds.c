@@ -119,10 +119,10 @@ static int need_pyramids(struct follow *follow)
     return 0;
 }
 
-static void demote(struct follow *follow)
+static int demote(struct follow *follow)
 {
     const struct tracker *tracker = follow->tracker;
-    consistency_demote(follow->outcomes + tracker->patch_count, tracker->grains->count);
+    return consistency_demote(follow->outcomes + tracker->patch_count, tracker->grains->count);
 }
 
 /* Seeds, what grows from them, then every grain on its own. */
@@ -131,23 +131,20 @@ static int search_all(struct follow *follow)
     const struct tracker *tracker = follow->tracker;
     if (for_each(follow, tracker->patch_count, tracker->count, seeds_from_nothing) || spread(follow))
         return -1;
-    if (for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow))
-        return -1;
-    demote(follow);
-    return 0;
+    return for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow) || demote(follow) ? -1
+                                                                                                                    : 0;
 }
 
 int rounds_find(struct follow *follow)
 {
     const struct tracker *tracker = follow->tracker;
-    if (for_each(follow, 0, tracker->count, from_expected))
+    if (for_each(follow, 0, tracker->count, from_expected) || demote(follow))
         return -1;
-    demote(follow);
     if (!open_targets(follow, 0, tracker->count))
         return 0;
-    if (need_pyramids(follow) || for_each(follow, 0, tracker->patch_count, from_nothing) || spread(follow))
+    if (need_pyramids(follow) || for_each(follow, 0, tracker->patch_count, from_nothing) || spread(follow) ||
+        demote(follow))
         return -1;
-    demote(follow);
     size_t open = open_targets(follow, tracker->patch_count, tracker->count);
     if (open && search_all(follow))
         return -1;

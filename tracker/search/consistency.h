@@ -6,7 +6,7 @@
 #include "tracker/search/neighbours.h"
 
 /* A match that leaves far more than the usual noise of this photo is doubtful: found 2 becomes 1. */
-void consistency_demote(struct outcome *outcomes, size_t count);
+int consistency_demote(struct outcome *outcomes, size_t count);
 
 /* Sets `contradicted` where a grain that a search brought in sits on another one, or has left its neighbours by more
  * than its radius. `grain_radius[k]`: rim, px. */
