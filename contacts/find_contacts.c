@@ -9,7 +9,7 @@
 #include "contacts/network/standing.h"
 #include "contacts/motion/state_motion.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
 #define WIDEST_OFFSET_PX 2.0

@@ -4,9 +4,16 @@
 #include <string.h>
 
 #include "calibration/lens/lens_map.h"
+#include "pipeline/numbers/dense.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 enum { ITERATIONS = 60 };
+
+static int singular(void)
+{
+    return error_input("lens: the equations of the plate are singular: take photos with larger motions");
+}
 
 /* Marquardt's damping of the diagonal until the sum of squares stands still. Leaves the factor of the last undamped
  * matrix in `matrix`. */
@@ -18,9 +25,9 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
         for (size_t i = 0; i < n; i++)
             matrix[i * n + i] *= 1 + damping;
-        if (!factorise(matrix, n))
-            return error_input("lens: the equations of the plate are singular: take photos with larger motions");
-        solve(matrix, n, right);
+        if (dense_factorise(matrix, n, n, 0))
+            return singular();
+        dense_substitute(matrix, n, n, right);
         for (size_t i = 0; i < n; i++)
             trial[i] = q[i] + right[i];
         double next = normal_equations(problem, trial, NULL, NULL);
@@ -36,9 +43,7 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
         if ((better && gain <= 1e-10 * square) || damping > 1e10)
             break;
     }
-    return factorise(matrix, n) ? 0
-                                : error_input("lens: the equations of the plate are singular: take photos with "
-                                              "larger motions");
+    return dense_factorise(matrix, n, n, 0) ? singular() : 0;
 }
 
 /* Covariance of the unknowns of the lens: columns of the inverse. */
@@ -47,7 +52,7 @@ static void lens_covariance(const double *factor, size_t n, double scale, double
     for (size_t a = 0; a < LENS_UNKNOWNS; a++) {
         double column[SIZE_MAX_UNKNOWNS] = {0};
         column[a] = 1;
-        solve(factor, n, column);
+        dense_substitute(factor, n, n, column);
         for (size_t b = 0; b < LENS_UNKNOWNS; b++)
             out[a][b] = scale * column[b];
     }
@@ -70,12 +75,6 @@ static size_t sort_out(const struct problem *problem, const double *q, double sc
     return changed;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Robust size of the residuals in units of their errors, at least 1: the median of a Rayleigh variable is 1.177. */
 static double residual_scale(const struct problem *problem, const double *q, double *work)
 {
@@ -87,8 +86,7 @@ static double residual_scale(const struct problem *problem, const double *q, dou
                                     points->reference[m % points->count], points->seen[m], 0);
             work[n++] = vec_norm(row.residual) / points->sigma[m];
         }
-    qsort(work, n, sizeof *work, compare);
-    return n ? fmax(1, work[n / 2] / 1.177) : 1;
+    return n ? fmax(1, select_rank(work, n, n / 2) / 1.177) : 1;
 }
 
 /* Start of a photo's motion: the median shift is enough, Marquardt does the rest. */
@@ -103,8 +101,7 @@ static void start_motions(const struct problem *problem, double *work, double *q
                     struct vec d = vec_sub(points->seen[p * points->count + k], points->reference[k]);
                     work[n++] = axis ? d.y : d.x;
                 }
-            qsort(work, n, sizeof *work, compare);
-            q[LENS_UNKNOWNS + MOTION * p + (size_t)axis] = n ? work[n / 2] : 0;
+            q[LENS_UNKNOWNS + MOTION * p + (size_t)axis] = n ? select_rank(work, n, n / 2) : 0;
         }
 }
 

@@ -6,7 +6,7 @@
 
 #include "calibration/rods/fit.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 const char *const PRESS_KINDS[] = {"loading", "unloading", "reloading"};
 

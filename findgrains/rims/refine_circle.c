@@ -3,7 +3,8 @@
  * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
 #include "findgrains/rims/refine_circle.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/dense.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>
@@ -15,6 +16,7 @@ enum { TERMS = 5, ROUNDS = 6, LAGS = 8 };
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
 #define CHANCE 0.5
 #define MOST_TRUST 1.5
+#define SINGULAR 1e-9
 
 struct fit {
     struct sector *sectors; /* all of them, used or not */
@@ -75,34 +77,6 @@ static double set_variances(struct fit *fit)
     return sqrt(noise2);
 }
 
-/* Invert a symmetric positive definite matrix of the first n rows; 0 when it is not. */
-static int invert(int n, double m[TERMS][TERMS], double inverse[TERMS][TERMS])
-{
-    double work[TERMS][2 * TERMS] = {{0}};
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++)
-            work[i][j] = m[i][j];
-        work[i][n + i] = 1;
-    }
-    for (int i = 0; i < n; i++) {
-        double pivot = work[i][i];
-        if (!(pivot > 1e-9 * m[i][i]))
-            return 0;
-        for (int j = 0; j < 2 * n; j++)
-            work[i][j] /= pivot;
-        for (int k = 0; k < n; k++) {
-            double factor = work[k][i];
-            if (k != i)
-                for (int j = i; j < 2 * n; j++)
-                    work[k][j] -= factor * work[i][j];
-        }
-    }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            inverse[i][j] = work[i][n + j];
-    return 1;
-}
-
 static double tukey_weight(double t, double tukey)
 {
     double q = t / tukey;
@@ -117,7 +91,7 @@ static double tukey_slope(double t, double tukey)
 
 static int weighted_step(struct fit *fit, int robust)
 {
-    double m[TERMS][TERMS] = {{0}}, right[TERMS] = {0}, inverse[TERMS][TERMS];
+    double inverse[TERMS][TERMS] = {{0}}, right[TERMS] = {0};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -128,10 +102,10 @@ static int weighted_step(struct fit *fit, int robust)
         for (int i = 0; i < fit->terms; i++) {
             right[i] += weight * row[i] * fit->sectors[k].shift;
             for (int j = 0; j < fit->terms; j++)
-                m[i][j] += weight * row[i] * row[j];
+                inverse[i][j] += weight * row[i] * row[j];
         }
     }
-    if (!invert(fit->terms, m, inverse))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     for (int i = 0; i < fit->terms; i++) {
         fit->parameters[i] = 0;
@@ -176,7 +150,7 @@ static double set_scatter(struct fit *fit, double formal2)
 /* D^-1 (sum b^2 psi^2 x x') D^-1 n / (n - p), D = sum b psi' x x'. */
 static int set_covariance(struct fit *fit)
 {
-    double slope[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}}, inverse[TERMS][TERMS];
+    double inverse[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -186,11 +160,11 @@ static int set_covariance(struct fit *fit)
         const double *row = fit->row + (size_t)k * TERMS;
         for (int i = 0; i < fit->terms; i++)
             for (int j = 0; j < fit->terms; j++) {
-                slope[i][j] += d * row[i] * row[j];
+                inverse[i][j] += d * row[i] * row[j];
                 meat[i][j] += e * row[i] * row[j];
             }
     }
-    if (!invert(fit->terms, slope, inverse))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     double spare = (double)fit->used / (fit->used - fit->terms);
     for (int i = 0; i < fit->terms; i++)

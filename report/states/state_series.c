@@ -51,10 +51,10 @@ static int summarise_photo(const struct loaded *loaded, struct photo_summary *ph
     photo->distrusted = count_flags(grains->flags, grains->count, photo->flags);
     if (!photo->path)
         return error_memory("a path");
-    return quantiles_of(grains->zncc, grains->flags, grains->count, &photo->zncc) ||
-                   quantiles_of(grains->s_x, grains->flags, grains->count, &photo->s_place) ||
-                   quantiles_of(grains->s_angle, grains->flags, grains->count, &photo->s_angle) ||
-                   quantiles_of(grains->s_radius, grains->flags, grains->count, &photo->s_size)
+    return quantiles_of(grains->zncc, grains->flags, GRAIN_DISTRUST, grains->count, &photo->zncc) ||
+                   quantiles_of(grains->s_x, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_place) ||
+                   quantiles_of(grains->s_angle, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_angle) ||
+                   quantiles_of(grains->s_radius, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_size)
                ? -1
                : 0;
 }

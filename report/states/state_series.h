@@ -5,7 +5,7 @@
 #include "pipeline/packing/stress.h"
 #include "report/states/loaded.h"
 #include "report/states/method_choice.h"
-#include "report/states/quantiles.h"
+#include "pipeline/numbers/quantiles.h"
 
 enum { SERIES_METHODS = 8 };
 

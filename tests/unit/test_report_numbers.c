@@ -13,7 +13,7 @@
 #include "report/states/indeterminacy.h"
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
-#include "report/states/quantiles.h"
+#include "pipeline/numbers/quantiles.h"
 
 static char folder[] = "/tmp/test_report_numbers.XXXXXX";
 
@@ -25,7 +25,7 @@ static void test_quantiles(void **unused)
     struct quantiles q;
     for (int k = 0; k < 21; k++)
         column[k] = (k * 8) % 21; /* 0 to 20, shuffled */
-    check_done(quantiles_of(column, flags, 21, &q));
+    check_done(quantiles_of(column, flags, GRAIN_DISTRUST, 21, &q));
     check_near(q.least, 0, 0);
     check_near(q.low, 1, 1e-12);
     check_near(q.middle, 10, 1e-12);
@@ -36,11 +36,11 @@ static void test_quantiles(void **unused)
             flags[k] = GRAIN_LOW_ZNCC;
         else if (column[k] == 0)
             column[k] = NAN;
-    check_done(quantiles_of(column, flags, 21, &q)); /* 1 to 10 are left */
+    check_done(quantiles_of(column, flags, GRAIN_DISTRUST, 21, &q)); /* 1 to 10 are left */
     check_near(q.least, 1, 0);
     check_near(q.middle, 5.5, 1e-12);
     check_near(q.most, 10, 0);
-    check_done(quantiles_of(NULL, flags, 21, &q));
+    check_done(quantiles_of(NULL, flags, GRAIN_DISTRUST, 21, &q));
     assert_true(isnan(q.middle));
 }
 

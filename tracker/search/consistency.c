@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 static const double usual_noise = 3;     /* times the median */

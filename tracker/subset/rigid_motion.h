@@ -17,7 +17,7 @@ struct motion {
 /* How far two motions are turned against each other: whole turns do not count. */
 static inline double motion_turn(const struct motion *a, const struct motion *b)
 {
-    return fabs(remainder(a->angle - b->angle, 6.283185307179586));
+    return fabs(remainder(a->angle - b->angle, 2 * M_PI));
 }
 
 /* W(motion) o W(step)^-1: the update of inverse composition (Baker and Matthews 2004, eq. 15) for rigid warps. */
