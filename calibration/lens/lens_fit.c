@@ -66,8 +66,7 @@ static size_t sort_out(const struct problem *problem, const double *q, double sc
     for (size_t m = 0; m < points->photos * points->count; m++) {
         if (isnan(points->sigma[m]))
             continue;
-        struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                points->reference[m % points->count], points->seen[m], 0);
+        struct row row = row_of(problem, q, m, 0);
         char in = vec_norm(row.residual) <= LENS_OUTLIER * scale * points->sigma[m];
         changed += in != inside[m];
         inside[m] = in;
@@ -82,8 +81,7 @@ static double residual_scale(const struct problem *problem, const double *q, dou
     size_t n = 0;
     for (size_t m = 0; m < points->photos * points->count; m++)
         if (!isnan(points->sigma[m])) {
-            struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                    points->reference[m % points->count], points->seen[m], 0);
+            struct row row = row_of(problem, q, m, 0);
             work[n++] = vec_norm(row.residual) / points->sigma[m];
         }
     return n ? fmax(1, select_rank(work, n, n / 2) / 1.177) : 1;
@@ -113,8 +111,7 @@ static void describe(const struct problem *problem, const double *q, const doubl
     fitted->used = 0;
     for (size_t m = 0; m < points->photos * points->count; m++)
         if (problem->inside[m]) {
-            struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                    points->reference[m % points->count], points->seen[m], 0);
+            struct row row = row_of(problem, q, m, 0);
             double e = vec_dot(row.residual, row.residual);
             square += e / 2;
             weighted += e / (points->sigma[m] * points->sigma[m]);
