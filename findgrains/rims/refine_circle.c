@@ -52,12 +52,13 @@ static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey
     return 0;
 }
 
-static double median_over(struct fit *fit, size_t member)
+/* Median over the sectors in use of a number that stands `apart` bytes behind that of the sector before. */
+static double median_of_used(struct fit *fit, const double *first, size_t apart)
 {
     size_t n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
-            fit->scratch[n++] = *(const double *)(const void *)((const char *)&fit->sectors[k] + member);
+            fit->scratch[n++] = *(const double *)(const void *)((const char *)first + (size_t)k * apart);
     return median_of(fit->scratch, n);
 }
 
@@ -66,8 +67,8 @@ static double median_over(struct fit *fit, size_t member)
  * the rim); weights in proportion to the step make of the mean of quotients a quotient of sums, which does not lean. */
 static double set_variances(struct fit *fit)
 {
-    double noise2 = fmax(median_over(fit, offsetof(struct sector, residual)), 1e-12);
-    double step = median_over(fit, offsetof(struct sector, step));
+    double noise2 = fmax(median_of_used(fit, &fit->sectors->residual, sizeof *fit->sectors), 1e-12);
+    double step = median_of_used(fit, &fit->sectors->step, sizeof *fit->sectors);
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         double share = sector->used ? sector->step / step : 1;
@@ -123,15 +124,6 @@ static void set_residuals(struct fit *fit)
             model += fit->parameters[i] * fit->row[(size_t)k * TERMS + (size_t)i];
         fit->residual[k] = fit->sectors[k].shift - model;
     }
-}
-
-static double median_variance(struct fit *fit)
-{
-    size_t n = 0;
-    for (int k = 0; k < fit->count; k++)
-        if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->variance[k];
-    return median_of(fit->scratch, n);
 }
 
 /* Robust standard deviation of the residuals; sets the shared variance tau^2. */
@@ -196,16 +188,13 @@ static void add_lags(const struct fit *fit, struct refined *refined)
 static void describe(struct fit *fit, struct refined *refined)
 {
     int near = 0, hidden = 0;
-    size_t n = 0;
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         hidden += sector->hidden;
-        if (!sector->used)
-            continue;
-        near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
-        fit->scratch[n++] = sector->blur_error;
+        if (sector->used)
+            near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
     }
-    refined->blur_error = median_of(fit->scratch, n);
+    refined->blur_error = median_of_used(fit, &fit->sectors->blur_error, sizeof *fit->sectors);
     refined->support = (double)near / fit->count;
     refined->hidden = (double)hidden / fit->count;
     refined->s_radius = sqrt(fit->covariance[0][0]);
@@ -234,7 +223,7 @@ static void move(const struct fit *fit, double damping, struct refined *refined)
 static int fit_curve(struct fit *fit, struct refined *refined)
 {
     refined->noise = set_variances(fit);
-    double formal2 = median_variance(fit);
+    double formal2 = median_of_used(fit, fit->variance, sizeof *fit->variance);
     refined->formal = sqrt(formal2);
     if (!weighted_step(fit, 0))
         return 0;
