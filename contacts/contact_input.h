@@ -21,6 +21,8 @@ struct contact_options {
         .radius_scale = 1, .radius_offset_px = 0, .tolerance_px = NAN, .candidate_sigmas = 4, .frame_error_px = 0.3    \
     }
 
+/* One photo and what belongs to it; all borrowed. Lengths in px of the photo but in `previous`, which is a state of
+ * contacts. */
 struct contact_input {
     const struct scene *scene;
     const struct photo_grains *grains; /* of findgrains or tracker */

@@ -1,3 +1,5 @@
+/* Thinning: best first, and a candidate stays only where no better one stands too near. With the order fixed by merit
+ * and then by position the result does not depend on the order in which threads or windows found them. */
 #include "findgrains/capture/candidates.h"
 
 #include "pipeline/numbers/cell_grid.h"

@@ -18,6 +18,7 @@ struct candidate {
     double merit;        /* while a list is sorted */
 };
 
+/* Grows with candidates_add(); a zeroed one is empty. */
 struct candidates {
     struct candidate *items;
     size_t count, room;
@@ -30,7 +31,7 @@ void candidates_free(struct candidates *list); /* accepts a zeroed struct */
 double candidates_merit(const struct candidate *item);
 double candidates_support(const struct candidate *item);
 /* Sort by merit (ties by position, so that the order never depends on how the list was filled) and keep those whose
- * centres are at least share (R_i + R_j) away from every better one. */
+ * centres are at least share (R_i + R_j) away from every better one. 0, or -1 when memory is gone. */
 int candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *));
 
 #endif

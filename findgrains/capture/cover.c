@@ -1,3 +1,5 @@
+/* A mask of the level's pixels under the grains that are sure. Slightly smaller than the grains: the rims of their
+ * neighbours must be seen. */
 #include "findgrains/capture/cover.h"
 
 #include "pipeline/speak/error.h"

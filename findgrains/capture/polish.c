@@ -1,3 +1,7 @@
+/* Along rays from the captured centre the place where means over a few pixels on both sides differ most, to a fraction
+ * of a pixel by a parabola through three of these differences. A rim that is off by (dx, dy, dR) has its edges at R +
+ * dR + dx cos + dy sin: weighted least squares with Tukey's biweight, whose scale is the median of the distances (times
+ * 1.4826, which makes it a standard deviation), never below LEAST_SCATTER. */
 #include "findgrains/capture/polish.h"
 
 #include "findgrains/look/grey.h"

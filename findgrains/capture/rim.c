@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+/* cos 2 theta = c^2 - s^2, sin 2 theta = 2 c s: no trigonometry for a pixel. */
 double rim_radius_at(const struct rim *rim, double c, double s)
 {
     return rim->radius + rim->c2 * (c * c - s * s) + rim->s2 * 2 * c * s;

@@ -1,5 +1,10 @@
 /* Each side by search among lines through two outermost points of rims (Fischler and Bolles, CACM 24 (1981) 381), then
- * least squares over the grains that touch it. */
+ * least squares over the grains that touch it.
+ *
+ * A side is written e = offset + slope t, t along the side and e outwards. Candidates are the outermost few rims of
+ * each of 64 strips across the specimen, all pairs of them make lines, and a line counts the rims that it touches less
+ * three for each that lies behind it: a wall has grains on one side only. Errors are the larger of the residuals' and
+ * the jackknife's. */
 #include "findgrains/look/find_frame.h"
 
 #include "pipeline/numbers/quantiles.h"

@@ -53,7 +53,9 @@ struct edge_work {
 };
 void edge_work_free(struct edge_work *work);
 
-/* Fill work->sectors for the rim, which is possible; `others` are the rims near it. */
+/* Fill work->sectors (work->count of them, from theta = -pi on) for the rim, which is possible; `others` are the rims
+ * near it, whose edges may reach into its annulus. A sector that cannot be fitted is not `used`. 0, or -1 when memory
+ * is gone. `work` is a thread's own, zeroed before its first use. */
 int edge_fit(const struct photo *photo, const struct zone *zone, const struct rim *rim, const struct rim *others,
              size_t other_count, const struct edge_settings *settings, struct edge_work *work);
 

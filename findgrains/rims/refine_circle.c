@@ -1,6 +1,11 @@
 /* Tukey's biweight (Beaton and Tukey, Technometrics 16 (1974) 147) by iterated weighted least squares; standard errors
  * of M-estimators (Huber, Robust Statistics (1981), section 7.6). Sectors differ in their formal variance (short
- * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
+ * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness.
+ *
+ * The shifts y_k of sectors at theta_k are fitted by dR + dx cos + dy sin (+ dc cos 2 + ds sin 2), with weights trust_k
+ * w(r_k / sigma_k) / sigma_k^2, sigma_k^2 = formal_k + tau^2, w(t) = (1 - (t / c)^2)^2 inside c and 0 outside, after a
+ * first round without w. tau^2 is what the median of |r| says beyond the formal variances. The covariance is the
+ * sandwich D^-1 M D^-1 with D = sum of psi' x x', M = sum of psi^2 x x', and n / (n - p) for the parameters. */
 #include "findgrains/rims/refine_circle.h"
 
 #include "pipeline/numbers/dense.h"

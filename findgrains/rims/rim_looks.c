@@ -1,3 +1,6 @@
+/* Flags from profiles along rays. A camera that does not stand straight in front of a rod sees its flank beside the
+ * face: a plateau darker than the face and brighter than the void, on one side. The rim then is that of the face, and
+ * right; but forces from overlaps across a flank should be looked at. */
 #include "findgrains/rims/rim_looks.h"
 
 #include "findgrains/rims/edge_fit.h"
@@ -59,6 +62,8 @@ int rim_shows_flank(const struct photo *photo, const struct rim *rim, const stru
     return count >= LEAST_SHARE * RAYS && hypot(x, y) >= LEAST_SIDED * count;
 }
 
+/* The edge of a clipped grain is cut off at the top, and its half level seems to lie further out. Looked at two to four
+ * blurs below the rim, where the grain has its own level. */
 int rim_is_saturated(const struct photo *photo, const struct rim *rim, double blur)
 {
     int end = photo->bits > 0 && photo->bits < 16 ? (1 << photo->bits) - 1 : 65535, full = 0, seen = 0;

@@ -1,3 +1,6 @@
+/* From matches to columns, in this order: what is seen, the lens undone (correct.h), the camera's motion undone
+ * (drift.h). Variances go the same way and the camera's is added; errors of the reference position, which all photos
+ * share, stay in columns of their own (s_x_ref, s_y_ref). */
 #include "tracker/follow/fill_tracks.h"
 
 #include <math.h>

@@ -7,6 +7,7 @@
 #include "tracker/follow/track_options.h"
 #include "tracker/search/target.h"
 
+/* A piece of paper alone is cut into 2 x 2. */
 enum { QUARTERS = 4 };
 
 struct tracker {

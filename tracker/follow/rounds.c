@@ -1,3 +1,13 @@
+/* How the targets of one photo are found, from the cheap to the dear:
+ *
+ *     1. each from where it is expected (the photo before, or the reference): most are there;
+ *     2. what is left, outwards from the good ones: a grain goes where the median of its neighbours goes,
+ *        and is searched nearby for its own angle; those that are found carry the next round;
+ *     3. every eighth grain that is left by a blind search, then outwards from these again;
+ *     4. the rest by blind search, one by one.
+ *
+ * A round reads only what the rounds before have found and each target writes its own row: results do not depend on the
+ * number of threads. After each step, matches with unusual noise are doubted (consistency.h) and looked for again. */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>

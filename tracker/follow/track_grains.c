@@ -1,3 +1,8 @@
+/* One photo: where targets are expected, the rounds that find them, the camera's motion, and the tables.
+ *
+ * A grain is expected to move once more as it moved up to the photo before, unless a number is
+ * missing. Expectations only say where to look first; the match is always with the reference, so that its error does
+ * not grow along the series. */
 #include "tracker/follow/track_grains.h"
 
 #include <math.h>

@@ -1,3 +1,6 @@
+/* A wrong place with a fair correlation is told from a right one by what the other grains say: it leaves more noise
+ * than matches of this photo usually do (all grains are seen by one camera), lies where another grain is (rods are
+ * hard: nothing overlaps by 15 % of a radius), or is a radius away from where its neighbours went (docs/tracker.md). */
 #include "tracker/search/consistency.h"
 
 #include <math.h>

@@ -1,3 +1,6 @@
+/* The nearest grains are those that a grain leans on or nearly so: they move alike but for their own rolling. A median
+ * of their motions is not moved by up to half of them being wrong. Nearest others are found in cells of a grid, in ever
+ * wider squares until the eighth lies within the square. */
 #include "tracker/search/neighbours.h"
 
 #include <math.h>

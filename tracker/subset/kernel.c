@@ -1,3 +1,6 @@
+/* Most of the tracker's time is spent here: T, the searched photo at the warped pixels of a subset, and the dot
+ * products Z'T, grey'T, 1'T and T'T that an iteration needs (icgn.c). A rotation is a shear along each run, so that the
+ * pixels of a run lie on a straight line with even steps. */
 #include "tracker/subset/kernel.h"
 
 #include "pipeline/numbers/simd.h"

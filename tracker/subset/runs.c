@@ -1,3 +1,6 @@
+/* The pixels of a shape, scanned row by row. What is left out: pixels so near the border of the reference that slopes
+ * would need what lies beyond it, saturated ones, those of neighbours that reach in (they move with another grain), and
+ * those that the expected motion carries beyond the border of the other photo. */
 #include "tracker/subset/runs.h"
 
 #include <math.h>

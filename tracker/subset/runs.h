@@ -27,6 +27,7 @@ struct subset_mask {
     double u, v, angle;        /* NULL: none */
 };
 
+/* Pixels as stretches of rows, which loops take many at a time. */
 struct runs {
     struct run *items; /* from top to bottom, in a row from left to right; to be freed with free() */
     size_t count;

@@ -145,6 +145,9 @@ int scatter_measure(const struct subset *subset, const struct patch *patch, cons
     add_tiles(subset, residual, &strip, &totals);
     free(strip.block);
     free(residual);
+    /* A tile's (Z'e)^2 is one draw of a chi-square law: the ratio of its mean over that of white noise has a relative
+     * variance of 2 over the number of tiles, counted by how evenly they share the weight (Kish's effective number).
+     * The prior counts as prior_freedom such tiles. */
     double freedom = 0, measured = 0; /* as many tiles as share the weight: few where there are few specks */
     for (int a = 0; a < COMPONENTS; a++)
         if (totals.pixels[a] > 0) {

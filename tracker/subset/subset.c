@@ -1,3 +1,20 @@
+/* The normal equations of a subset, as far as they do not depend on the photo that is searched.
+ *
+ * A motion m = (u, v, angle) carries a point at (dx, dy) from the centre by (dy, -dx) per radian (y down), so that a
+ * small motion changes the grey value by J m with the slopes J = (gx, gy, gx dy - gy dx). With inverse composition
+ * (Baker and Matthews, IJCV 56 (2004) 221, section 3.2) these are slopes of the reference: made once, not in every
+ * iteration.
+ *
+ * The equations are multiplied from the left by Z' instead of J': Z are the slopes of the smoothed reference, less
+ * noisy instruments. Gain, offset and a change of focus multiply N = (grey, Laplacian, 1); with
+ *
+ *     Z <- Z - N (N'N)^-1 N'Z
+ *
+ * Z'N = 0 and none of the three is seen by the iteration. What remains is H = Z'J, 3 x 3 and not symmetric, and Z'Z for
+ * the covariance of the estimate.
+ *
+ * Products of single pixels are summed in floats, in LANES of their own, and every 32 runs into doubles: fast, right to
+ * the last digits of a float, and the same on every machine. */
 #include "tracker/subset/subset.h"
 
 #include <math.h>
@@ -120,6 +137,9 @@ static void fill_planes(const struct slopes *slopes, struct subset *subset, stru
     }
 }
 
+/* By cofactors (Cramer's rule): exact enough for three unknowns whose scales are known, and H is not symmetric. The
+ * determinant is compared with the product of the diagonal, which it equals where the unknowns do not depend on each
+ * other. */
 int subset_invert(double (*h)[3], double (*inverse)[3])
 {
     double minor[3][3], determinant = 0;
