@@ -3,7 +3,7 @@
  *
  * Two things need each other: the statistics of overlaps are sharp only without the grains that carry nothing, and who
  * carries nothing is told by the contacts. The network is built from all pairs first, then once more with what that
- * told; a third round changes nothing that matters. */
+ * told. */
 #include "contacts/find_contacts.h"
 
 #include <stdlib.h>

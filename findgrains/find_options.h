@@ -11,6 +11,7 @@
 
 enum find_shape { FIND_SHAPE_AUTO, FIND_SHAPE_CIRCLE, FIND_SHAPE_ELLIPSE };
 
+/* FIND_OPTIONS_DEFAULT: everything from the photo, no frame, no corrections. */
 struct find_options {
     double radius_min_px, radius_max_px; /* NaN: estimated */
     int has_frame;

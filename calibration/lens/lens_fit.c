@@ -1,3 +1,12 @@
+/* The lens is what makes a plate that only moves look bent. Unknowns: eight of the lens (lens_model.h) and three per
+ * photo; the residual of a point is its corrected position less where the photo's motion carries the corrected
+ * reference position. Marquardt's method (J. Soc. Indust. Appl. Math. 11 (1963) 431): the diagonal of the normal
+ * equations times 1 + damping, a tenth of it after a step that lowers the sum of squares, ten times it after one that
+ * does not.
+ *
+ * After each fit, points more than LENS_OUTLIER robust standard deviations off are left out (or come back), and it is
+ * fitted again until none changes. The covariance is the inverse of the undamped matrix, times chi^2 per degree of
+ * freedom where that exceeds 1. */
 #include "calibration/lens/lens_fit.h"
 
 #include <stdlib.h>

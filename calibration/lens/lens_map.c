@@ -1,3 +1,5 @@
+/* Two lenses that differ by a shift, a rotation or a scale show the same world: such a part of a difference is taken
+ * out (least squares over a grid of points) before the rest is measured. */
 #include "calibration/lens/lens_map.h"
 
 #include <string.h>

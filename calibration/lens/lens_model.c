@@ -1,3 +1,9 @@
+/* Residuals and normal equations. Unknowns are scaled by R, half the diagonal, so that each moves the corner of the
+ * photo by its own size times R: the matrix is then well scaled, and one prior in these units is a statement about any
+ * photo.
+ *
+ * Some combinations cannot be told from photos of a plate (a shift of the centre from P1 and P2): the priors hold them
+ * near zero, where the map that results is the same. */
 #include "calibration/lens/lens_model.h"
 
 #include <string.h>

@@ -6,6 +6,7 @@
 
 #include "pipeline/numbers/geometry.h"
 
+/* Limits of one calibration; LENS_FEWEST_POINTS: per photo. */
 enum { LENS_UNKNOWNS = 8, LENS_PHOTOS_MAX = 64, LENS_FEWEST_POINTS = 60, LENS_FEWEST_PHOTOS = 2 };
 
 /* Points of the plate: where they are in the reference photo and, photo by photo, where they are seen. */

@@ -1,3 +1,6 @@
+/* Differences of two states. Along n the two centres come closer; across it the material points at the contact slide,
+ * each carried by its grain's rotation times its arm. Errors: each photo's own, and those of the reference cancel since
+ * both states were compared with the same one. */
 #include "contacts/motion/pair_motion.h"
 
 static struct vec wall_middle(const struct walls *walls, size_t w)

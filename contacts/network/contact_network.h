@@ -28,7 +28,9 @@ void contact_network_free(struct contact_network *network); /* accepts a zeroed 
 int contact_network_build(const struct contact_input *input, const struct contact_options *options,
                           const struct vec *reference, struct contact_network *network, struct packing *packing);
 
-/* Find the idle grains from the contacts of the packing. */
+/* Find the idle grains from the contacts of the packing, without regard to loads: network->idle, NULL where most grains
+ * are idle (there is nothing to be told apart then). Sets GRAIN_RATTLER and GRAIN_FLOATING. 0, or -1 when memory is
+ * gone. */
 int contact_network_find_idle(const struct contact_input *input, struct contact_network *network,
                               struct packing *packing);
 

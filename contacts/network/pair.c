@@ -1,3 +1,7 @@
+/* Overlaps by the rims' radii along the branch, R_i(n) + R_j(-n) - d. That is exact for circles; for ellipses it errs
+ * by the square of the shape over the radius, since the normals then leave the branch. (A second harmonic has the same
+ * radius along n and -n.) The variance is that of both rims and of both centres along n, each of which errs in the
+ * reference and once more in this photo. */
 #include "contacts/network/pair.h"
 
 static double finite_or_zero(double value)

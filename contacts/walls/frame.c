@@ -1,3 +1,8 @@
+/* Four lines from eight numbers. The corners of the scene tell where the sides are to some tenths of a pixel; the
+ * grains that lean on a side tell it better. In a later state the lines move with their markers or, without any, with
+ * the grains that lay on them, and are refined again.
+ *
+ * Corners are where neighbouring lines meet. Discs on the corners sit there, with the mean error of the two lines. */
 #include "contacts/walls/frame.h"
 
 #include <stdio.h>

@@ -72,7 +72,8 @@ static int find_places(const struct photo *photo, const struct rim *rim, double 
     return count;
 }
 
-/* Robust circle: weighted least squares of r = dR + dx cos + dy sin; 0 when the places do not determine one; *scatter: of the places about it, *share: of the rays that agree. */
+/* Robust circle: weighted least squares of r = dR + dx cos + dy sin; 0 when the places do not determine one; *scatter:
+ * of the places about it, *share: of the rays that agree. */
 static int fit_places(const struct place *places, int count, int rays, struct rim *rim, double *scatter, double *share)
 {
     double p[3] = {rim->radius, 0, 0}, off[RAYS];

@@ -1,5 +1,5 @@
 /* A Hough transform with the gradient's direction: each edge pixel votes for one centre per radius, r along its
- * gradient towards the bright side. Votes are summed over 3 x 3 pixels (an edge's direction is known to about 1 / r)
+ * gradient towards the bright side. Votes are summed over 3 x 3 pixels (an edge's direction is known to some degrees)
  * and divided by the rim's length, so that a whole rim counts 1 at every radius. Three layers, of the radii r - 1, r
  * and r + 1, are held at a time. */
 #include "findgrains/capture/votes.h"

@@ -7,7 +7,7 @@
  * shift, so that its coefficient over the step is the shift in px; the second right-hand side e_SHIFT gives the
  * diagonal of the inverse, which is the shift's variance per variance of a pixel.
  *
- * A neighbour that is nearer than its own blur adds an edge of unknown height (column NEIGHBOUR). Pixels inside it or
+ * A neighbour whose blurred edge reaches in adds an edge of unknown height (column NEIGHBOUR). Pixels inside it or
  * beyond the frame are left out, and a sector whose rim lies too near to either is hidden: it tells nothing of this
  * grain. */
 #include "findgrains/rims/edge_fit.h"

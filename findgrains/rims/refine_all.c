@@ -4,8 +4,8 @@
  * shorter steps.
  *
  * What the fits need to know of the photo is learnt from a sample of the larger rims: the blur as the b that vanishes
- * (edge_fit.h), texture and band as those with which the radii scatter least, neighbouring sectors' correlation r_1,
- * r_2, ... as the factor sqrt(1 + 2 sum r) on standard errors. */
+ * (edge_fit.h), texture and band as those with which radii have the smallest standard errors, neighbouring sectors'
+ * correlation r_1, r_2, ... as the factor sqrt(1 + 2 sum r) on standard errors. */
 #include "findgrains/rims/refine_all.h"
 
 #include "pipeline/numbers/quantiles.h"

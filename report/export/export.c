@@ -1,3 +1,5 @@
+/* One state as text. Numbers have 17 digits, which give the same double again; NaN is an empty cell in CSV and "nan" in
+ * the original programs' files. */
 #include "report/export/export.h"
 
 #include <ctype.h>

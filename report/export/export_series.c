@@ -1,3 +1,6 @@
+/* A LAMMPS dump is one block per step: its time step (here the photo's index), the number of rows, the box, the rows.
+ * The box is that of the grains' rims, 0 to 1 when there is none. A .series file is JSON that names files and times;
+ * OVITO and ParaView sort nothing, so the files are sorted by time here. */
 #include "report/export/export_series.h"
 
 #include <inttypes.h>

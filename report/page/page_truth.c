@@ -1,4 +1,6 @@
-/* The series against a truth, where there is one: virtual tests. */
+/* The series against a truth, where there is one: virtual tests. Photo-side files are compared with
+ * NAME.photo-truth.hdf (what the photo shows), packings with NAME.truth.hdf (what the simulation knows). Motions are
+ * compared since the photo in which the grains were found, whose truth gives the positions from which both began. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,3 +1,5 @@
+/* Reading the scene's section "optics". What it does not name stays at OPTICS_DEFAULT; unknown keys and numbers outside
+ * their ranges are refused with line and column (pipeline/files/json.h). */
 #include "simulation/render/optics.h"
 
 #include <stdlib.h>

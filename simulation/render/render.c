@@ -1,3 +1,5 @@
+/* Tiles of the photo, each by one thread: painted in cells finer than pixels, then exposed. Nothing passes from tile to
+ * tile, and all random numbers have keys, so that the photo does not depend on threads or on the order of tiles. */
 #include "simulation/render/render.h"
 
 #include <math.h>

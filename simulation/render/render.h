@@ -25,7 +25,10 @@
  */
 int render_picture(const struct picture *picture, const struct optics *optics, struct photo *photo);
 
-/* The photo of a packing (SI side) through the scene's scale, frame and size; `index` is the photo's in its series. */
+/* The photo of a packing (SI side: m, y up) through the scene's scale, origin, frame, lens and size, and the truth that
+ * belongs to it; `index` is the photo's in its series: another index, other noise and another motion of the camera
+ * (none in the scene's reference). 0, or -1 with a line: the scene lacks scale_m_per_px or photos.size_px, the lens
+ * cannot be read, memory is gone. Photo and truth are to be freed; on failure they are empty. */
 int render(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,
            struct photo *photo, struct photo_truth *truth);
 

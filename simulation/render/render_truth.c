@@ -1,3 +1,5 @@
+/* The truth is what is drawn, not what the packing says: faces with their shapes, turned by the grains' angles;
+ * contacts of the faces as drawn; positions as the moved camera behind its lens sees them. */
 #include "simulation/render/render_truth.h"
 
 #include <math.h>

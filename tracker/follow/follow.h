@@ -25,7 +25,7 @@ struct tracker {
     int threads;
 };
 
-/* Everything of one photo. */
+/* Everything of one photo. expected, has_expected and outcomes have one entry per target. */
 struct follow {
     struct tracker *tracker;
     struct target_photos photos;
@@ -35,7 +35,8 @@ struct follow {
     struct outcome *outcomes;
 };
 
-/* Look for every target that is not there yet: from where it is expected, from its neighbours, from nothing. */
+/* Look for every target: from where it is expected, from its neighbours, from nothing. Fills follow->outcomes. 0, or -1
+ * when memory is gone. */
 int rounds_find(struct follow *follow);
 /* The reference photo in itself: no motion, exactly. */
 int rounds_stay(struct follow *follow);

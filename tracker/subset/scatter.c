@@ -1,3 +1,7 @@
+/* Var(Z'e) by tiles. Errors of pixels that lie within a tile may be correlated in any way; tiles are larger than the
+ * residual's correlation, so that the sum over tiles of (Z'e over the tile)^2 is right whatever it is (a cluster-robust
+ * variance). Compared with the sum over pixels of (z e)^2, which is right for white noise, it gives the ratio by which
+ * the white covariance is multiplied. */
 #include "tracker/subset/scatter.h"
 
 #include <stdlib.h>

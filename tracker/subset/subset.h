@@ -44,9 +44,12 @@ static inline int subset_sampled(const struct subset *subset, size_t run)
     return subset->every < 2 || subset_strip(subset, run) % subset->every == 0;
 }
 
-/* Fails only for lack of memory; a subset without texture has energy or determinant 0 (subset_usable). */
+/* A subset of the reference with everything that iterations need; to be freed. mask NULL: every pixel may be used. 0,
+ * or -1 when memory is gone (nothing is to be freed then). A shape without texture, or with fewer than 16 pixels that
+ * may be used, gives a subset that is not usable. */
 int subset_build(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask,
                  struct subset *subset);
+/* Can a match be looked for? 16 pixels at least, and texture in both directions. */
 int subset_usable(const struct subset *subset);
 /* inverse = h^-1; 0 (and no inverse) when its determinant is not well above zero. */
 int subset_invert(double (*h)[3], double (*inverse)[3]);
