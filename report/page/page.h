@@ -40,7 +40,7 @@ void page_states(const struct series *series, struct html *html);
 void page_stresses(const struct series *series, struct html *html);
 /* The last state with contacts: distribution of normal forces, balance, directions. */
 int page_last_state(const struct series *series, struct html *html);
-/* Of one state, inside an open block of charts: what the forces leave unbalanced. */
+/* Of one state, inside an open block of charts: what its forces leave unbalanced, and the stress that they make. */
 int page_balance(const struct series *series, const struct packing *packing, const struct packing_summary *summary,
                  struct html *html);
 /* Force maps of up to page->maps states, evenly spread with the first and the last; the last by every method. */
@@ -48,7 +48,7 @@ int page_pictures(const struct page *page, const struct series *series, struct h
 /* Links to the files where page->folder is theirs, and what was read to make them. */
 void page_files(const struct page *page, const struct series *series, struct html *html);
 void page_inputs(const struct series *series, struct html *html);
-/* The chart as a picture with its numbers behind it; nothing when it has no finite point. */
+/* The chart as a picture (SVG); nothing when it has no finite point. */
 int page_chart(const struct chart *chart, struct html *html);
 /* A line of a chart: the value below which 0 to 100 % of the trusted rows lie, times `unit`. values NULL: no line.
  * flags NULL: every row is trusted. */
