@@ -26,8 +26,8 @@ struct contact_summary {
     double loaded_overlap_px; /* mean overlap of touching pairs that the loads give; 0: they give none, or none was
                                  sought */
     double resting_share;     /* of near pairs: those that rest at zero overlap */
-    double indeterminacy;     /* h: unknown forces less equations, rattlers left out */
-    double mechanisms;        /* k: three per rattler */
+    double indeterminacy;     /* h and k of packing_indeterminacy(); NaN until then */
+    double mechanisms;        /* k */
     struct overlap_histogram histogram;
 };
 

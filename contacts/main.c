@@ -6,6 +6,7 @@
 #include "contacts/picture/network_picture.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
+#include "pipeline/packing/packing_file.h"
 
 static int run(const struct arguments *arguments)
 {
@@ -47,7 +48,7 @@ static int run(const struct arguments *arguments)
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
-        contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
+        status = contact_indeterminacy(&scene, &packing, &summary);
     if (status == 0)
         status = contacts_write(arguments, &scene, &photo, &options, &summary, &packing);
     if (status == 0 && arguments->picture)

@@ -176,7 +176,10 @@ static int store(const struct packing *packing, const struct network *network, c
     forces->kt = options->law.kn * options->law.kt_over_kn;
     forces->mu = options->law.mu;
     memcpy(forces->misfit, network->misfit, sizeof forces->misfit);
-    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
+    double area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, area, forces->stress);
     return 0;
 }
 

@@ -66,8 +66,7 @@ struct pair pair_with_wall(const struct grains *grains, size_t i, const struct w
         return pair_with_disc(grains, i, walls, wall);
     struct vec inward = wall_inward(walls, wall), n = vec_scale(-1, inward);
     struct vec a = vec(grains->x[i], grains->y[i]);
-    struct vec middle = vec(0.5 * (walls->x0[wall] + walls->x1[wall]), 0.5 * (walls->y0[wall] + walls->y1[wall]));
-    struct vec from_middle = vec_sub(a, middle);
+    struct vec from_middle = vec_sub(a, wall_middle(walls, wall));
     double arm = vec_dot(from_middle, wall_direction(walls, wall));
     double reach = rim_radius(grains, i, n);
     struct pair pair = {.i = (int64_t)i, .j = (int64_t)(grains->count + wall), .n = n};

@@ -241,8 +241,7 @@ static void join(const struct side sides[4], int k, struct found_frame *frame)
     struct vec p, u, q, v;
     line_of(&sides[before], before, &p, &u);
     line_of(&sides[k], k, &q, &v);
-    double run = vec_cross(vec_sub(q, p), v) / vec_cross(u, v);
-    struct vec corner = vec_add(p, vec_scale(run, u));
+    struct vec corner = vec_meet(p, u, q, v);
     double s_before = error_at(&sides[before], vec_dot(corner, vec_turn(outward_of(before))));
     double s_this = error_at(&sides[k], vec_dot(corner, vec_turn(outward_of(k))));
     frame->corners[k] = corner;

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
 #include "report/pictures/page_picture.h"
 

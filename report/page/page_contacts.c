@@ -9,6 +9,7 @@
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
 #include "report/pictures/rose.h"
+#include "pipeline/packing/packing_file.h"
 
 /* ---- persistence (thesis Fig. 4.28) ---- */
 

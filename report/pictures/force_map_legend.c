@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "pipeline/packing/stress.h"
+#include "pipeline/packing/structure.h"
 #include "pipeline/draw/canvas.h"
 #include "report/pictures/force_map.h"
 
@@ -14,7 +14,7 @@ static void legend_title(const struct map *map, cairo_t *cairo, double x, double
     struct fabric fabric;
     cairo_set_source_rgb(cairo, COLOUR_INK);
     canvas_text_within(cairo, x, y + 22 * u, width, 19 * u, 1, map->title ? map->title : "");
-    packing_fabric(map->packing, &fabric);
+    packing_fabric(map->packing, NAN, &fabric);
     snprintf(text, sizeof text, "%zu grains, %zu rattlers", map->packing->grains.count, fabric.rattlers);
     canvas_text_within(cairo, x, y + 46 * u, width, 15 * u, 0, text);
     snprintf(text, sizeof text, "%zu contacts, z = %.2f", fabric.contacts, fabric.z);

@@ -3,6 +3,7 @@
 #define REPORT_SERIES_H
 
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/structure.h"
 #include "report/states/loaded.h"
 #include "report/states/method_choice.h"
 #include "pipeline/numbers/quantiles.h"

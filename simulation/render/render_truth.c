@@ -43,11 +43,6 @@ static int project_grains(const struct grains *from, const struct optics *optics
     return 0;
 }
 
-static struct vec lines_meet(struct vec p, struct vec u, struct vec q, struct vec v)
-{
-    return vec_add(p, vec_scale(vec_cross(vec_sub(q, p), v) / vec_cross(u, v), u));
-}
-
 /* The frame as the walls of the packing have it; 0 when one of the four is missing. */
 static int frame_of_walls(const struct walls *walls, const struct scene *scene, struct vec corners[4])
 {
@@ -61,7 +56,7 @@ static int frame_of_walls(const struct walls *walls, const struct scene *scene, 
         along[k] = vec_sub(scene_pixels(scene, vec(walls->x1[w], walls->y1[w])), start[k]);
     }
     for (int k = 0; k < 4; k++)
-        corners[k] = lines_meet(start[k], along[k], start[(k + 1) % 4], along[(k + 1) % 4]);
+        corners[k] = vec_meet(start[k], along[k], start[(k + 1) % 4], along[(k + 1) % 4]);
     return isfinite(corners[0].x + corners[1].x + corners[2].x + corners[3].x);
 }
 

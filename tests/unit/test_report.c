@@ -10,6 +10,7 @@
 #include "report/compare/budget.h"
 #include "pipeline/draw/canvas.h"
 #include "pipeline/draw/chart.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/compare/compare.h"
 #include "report/states/distribution.h"
 #include "report/export/export.h"

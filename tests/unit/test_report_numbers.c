@@ -1,6 +1,6 @@
 /* Numbers and curves of the page that are made in report/ itself: quantiles, the degree of indeterminacy, and when a
  * test is an oedometer. Known by counting. */
-#include "tests/check.h"
+#include "tests/rank_by_hand.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +14,7 @@
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
 #include "pipeline/numbers/quantiles.h"
+#include "pipeline/packing/packing_file.h"
 
 static char folder[] = "/tmp/test_report_numbers.XXXXXX";
 
@@ -86,23 +87,33 @@ static void make_packing(struct packing *p, const double strain[2], double sxx, 
         p->forces->residual.residual_x[k] = p->forces->residual.residual_y[k] = 0.01 * k;
 }
 
-/* Unknown: 2 of the contact between the grains, 1 per wall contact where walls are smooth, else 2. Equations: 3 for
- * each of two grains, 1 for each loaded wall. */
+static double h_of(const struct packing *packing, const struct forces *forces)
+{
+    double h;
+    check_done(indeterminacy(packing, forces, &h));
+    return h;
+}
+
+/* By the rank of the equations, where walls are smooth when no force says otherwise; what the file says comes first. */
 static void test_indeterminacy(void **unused)
 {
     (void)unused;
     struct packing p;
+    double equations;
     make_packing(&p, (double[2]){0, 0}, 1, 1);
-    check_near(indeterminacy(&p, p.forces), 2 + 4 - 6 - 2, 0);
-    check_near(indeterminacy(&p, NULL), 2 + 8 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0.5, 0, &equations), 0);
+    check_near(h_of(&p, NULL), h_by_hand(&p, 0.5, 0.5, &equations), 0);
+    assert_true(h_of(&p, NULL) > h_of(&p, p.forces));
     p.forces->contact.ft[1] = 0.1; /* the bottom is rough */
-    check_near(indeterminacy(&p, p.forces), 2 + 8 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0.5, 0.5, &equations), 0);
     p.forces->contact.ft[1] = 0, p.forces->mu = 0;
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
-    p.walls.fx[2] = 4; /* left and right loaded: still one direction */
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
+    p.walls.fx[2] = 4; /* left and right loaded: one of them reacts */
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
     p.grains.flags[1] = GRAIN_FIXED;
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 3 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
+    p.indeterminacy = (struct indeterminacy){1, 17, 3};
+    check_near(h_of(&p, p.forces), 17, 0);
     packing_free(&p);
 }
 
