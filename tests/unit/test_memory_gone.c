@@ -98,6 +98,8 @@ static void test_parameters_of_a_photo(void **state)
             assert_non_null(written);
             check_done(state_read_info(written, &info));
             state_close(written);
+            assert_non_null(strstr(info.inputs, "\"name\":\"scene.json\""));
+            assert_non_null(strstr(info.inputs, "\"sha256\":"));
             if (whole)
                 assert_string_equal(info.parameters, whole);
             else
