@@ -281,15 +281,14 @@ static int add_input(cJSON *array, const char *path, const char *part, const cha
 {
     char *name = text_escape(basename(path)); /* JSON is UTF-8, a name need not be */
     cJSON *input = name ? cJSON_CreateObject() : NULL;
-    if (!name)
-        return error_memory("the list of inputs");
-    cJSON_AddItemToArray(array, input);
-    cJSON_AddStringToObject(input, "name", name);
+    int listed = array && cJSON_AddItemToArray(array, input);
+    int whole = listed && cJSON_AddStringToObject(input, "name", name) &&
+                (!part || cJSON_AddStringToObject(input, "part", part)) &&
+                cJSON_AddStringToObject(input, "sha256", digest);
+    if (!listed)
+        cJSON_Delete(input);
     free(name);
-    if (part)
-        cJSON_AddStringToObject(input, "part", part);
-    cJSON_AddStringToObject(input, "sha256", digest);
-    return 0;
+    return whole ? 0 : error_memory("the list of inputs");
 }
 
 static int add_file(cJSON *array, const char *path)

@@ -1,4 +1,6 @@
-#include "findgrains/look/cover.h"
+/* A mask of the level's pixels under the grains that are sure. Slightly smaller than the grains: the rims of their
+ * neighbours must be seen. */
+#include "findgrains/capture/cover.h"
 
 #include "pipeline/speak/error.h"
 

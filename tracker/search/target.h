@@ -19,6 +19,7 @@ struct target {
     size_t neighbour_count;
 };
 
+/* What is known of a target in one photo so far. */
 struct outcome {
     int found; /* 0: nothing yet; 1: something, doubtful; 2: good */
     struct fit fit;
@@ -35,6 +36,7 @@ struct outcome {
 double target_good_zncc(const struct target *target, int searched);
 double target_lost_zncc(const struct target *target, int searched);
 
+/* The two photos that are compared. */
 struct target_photos {
     const struct photo *reference, *photo;
     const struct pyramid *reference_pyramid, *photo_pyramid; /* NULL before the first search */
@@ -45,7 +47,9 @@ struct target_photos {
 int target_keep(struct target *target, const struct photo *reference, uint16_t saturation);
 void target_drop(struct target *target);
 
-/* IC-GN from `start`; *outcome is replaced when the new place is better. */
+/* IC-GN from `start`; *outcome is replaced when the new place is better: converged, above the limit below which nothing
+ * is found, and more like the reference than what was there. 0, or -1 when memory is gone. The subset was kept
+ * (target_keep); `patch` is a thread's own. */
 int target_attempt(const struct target *target, const struct target_photos *photos, struct motion start,
                    struct patch *patch, struct outcome *outcome);
 /* Search around `around`, then IC-GN from the best places. */

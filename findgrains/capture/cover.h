@@ -3,7 +3,7 @@
 #define FINDGRAINS_COVER_H
 
 #include "findgrains/look/level.h"
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 
 struct cover {
     const struct level *level;

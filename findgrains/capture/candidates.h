@@ -1,13 +1,10 @@
-/* The rim of a grain in the photo, and small lists of them. px, x right, y down. */
-#ifndef FINDGRAINS_RIM_H
-#define FINDGRAINS_RIM_H
+/* Rims that were seen in the photo, and may be grains: what speaks for each, and lists of them. */
+#ifndef FINDGRAINS_CANDIDATES_H
+#define FINDGRAINS_CANDIDATES_H
 
 #include <stddef.h>
 
-/* r(theta) = radius + c2 cos 2 theta + s2 sin 2 theta, theta from x towards y: clockwise as seen. */
-struct rim {
-    double x, y, radius, c2, s2;
-};
+#include "findgrains/capture/rim.h"
 
 /* A rim that was seen, before its refinement. */
 struct candidate {
@@ -21,6 +18,7 @@ struct candidate {
     double merit;        /* while a list is sorted */
 };
 
+/* Grows with candidates_add(); a zeroed one is empty. */
 struct candidates {
     struct candidate *items;
     size_t count, room;
@@ -33,7 +31,7 @@ void candidates_free(struct candidates *list); /* accepts a zeroed struct */
 double candidates_merit(const struct candidate *item);
 double candidates_support(const struct candidate *item);
 /* Sort by merit (ties by position, so that the order never depends on how the list was filled) and keep those whose
- * centres are at least share (R_i + R_j) away from every better one. */
+ * centres are at least share (R_i + R_j) away from every better one. 0, or -1 when memory is gone. */
 int candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *));
 
 #endif

@@ -1,4 +1,11 @@
-#include "tracker/follow/target.h"
+/* When is a match good? The correlation of a subset with a wrong place is a sum over independent specks: its standard
+ * deviation is 1 / sqrt(specks) about zero. One place that was expected is good from 2.5 of these on; the best of
+ * thousands that a search has tried reaches 4 by chance and is good from 4.5 on. The limits are cut to what cameras and
+ * light allow: even the right place may fall to 0.6, and 0.9 is never chance.
+ *
+ * Two places are compared on Fisher's scale, atanh(ZNCC), where the standard deviation does not depend on the
+ * correlation itself (Fisher, Metron 1 (1921) 3). */
+#include "tracker/search/target.h"
 
 #include <math.h>
 

@@ -1,8 +1,12 @@
-#include "findgrains/rims/polish.h"
+/* Along rays from the captured centre the place where means over a few pixels on both sides differ most, to a fraction
+ * of a pixel by a parabola through three of these differences. A rim that is off by (dx, dy, dR) has its edges at R +
+ * dR + dx cos + dy sin: weighted least squares with Tukey's biweight, whose scale is the median of the distances (times
+ * 1.4826, which makes it a standard deviation), never below LEAST_SCATTER. */
+#include "findgrains/capture/polish.h"
 
+#include "findgrains/look/grey.h"
 #include "pipeline/numbers/dense.h"
 #include "pipeline/numbers/quantiles.h"
-#include "findgrains/rims/rim_sample.h"
 
 #include <math.h>
 
@@ -61,15 +65,15 @@ static int find_places(const struct photo *photo, const struct rim *rim, double 
     for (int ray = 0; ray < *rays; ray++) {
         double c = cos(2 * M_PI * ray / *rays), s = sin(2 * M_PI * ray / *rays), at, fall;
         for (int k = 0; k < length; k++)
-            profile[k] = sample_grey(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
+            profile[k] = grey_at(photo, rim->x + (first + k) * c, rim->y + (first + k) * s);
         if (steepest(profile, length, arm, FAINTEST * contrast, &at, &fall))
             places[count++] = (struct place){c, s, first + at, fmin(1, 2 * fall / contrast)};
     }
     return count;
 }
 
-/* Weighted least squares of r = dR + dx cos + dy sin, robust; *scatter: of the places about it, *share: of the rays
- * that agree. */
+/* Robust circle: weighted least squares of r = dR + dx cos + dy sin; 0 when the places do not determine one; *scatter:
+ * of the places about it, *share: of the rays that agree. */
 static int fit_places(const struct place *places, int count, int rays, struct rim *rim, double *scatter, double *share)
 {
     double p[3] = {rim->radius, 0, 0}, off[RAYS];
@@ -88,7 +92,7 @@ static int fit_places(const struct place *places, int count, int rays, struct ri
                     m[i][j] += weight * row[i] * row[j];
         }
         *share = agree / rays;
-        if (dense_solve(&m[0][0], 3, 4, 1e-6)) /* the places do not determine a circle */
+        if (dense_solve(&m[0][0], 3, 4, 1e-6))
             return 0;
         for (int i = 0; i < 3; i++)
             p[i] = m[i][3];

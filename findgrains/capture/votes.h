@@ -1,11 +1,11 @@
 /* Where grains may be: gradient votes for centres, one layer per radius (Kimme, Ballard and Sklansky, CACM 18 (1975)
  * 120; Loy and Zelinsky, IEEE PAMI 25 (2003) 959). Only edges that fall outwards vote, so that voids do not. */
-#ifndef FINDGRAINS_CANDIDATES_H
-#define FINDGRAINS_CANDIDATES_H
+#ifndef FINDGRAINS_VOTES_H
+#define FINDGRAINS_VOTES_H
 
-#include "findgrains/look/cover.h"
+#include "findgrains/capture/cover.h"
 #include "findgrains/look/level.h"
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 
 /* Peaks of the votes on a level for radii from `low` to `high` (level pixels), added to `peaks` in level coordinates.
  * `contrast` is the difference between grain and void in grey levels; what `cover` (of this level) hides is left out.

@@ -1,11 +1,11 @@
 /* The photo between its pixels. */
-#ifndef FINDGRAINS_SAMPLE_H
-#define FINDGRAINS_SAMPLE_H
+#ifndef FINDGRAINS_GREY_H
+#define FINDGRAINS_GREY_H
 
 #include "pipeline/scene/photo.h"
 
 /* Bilinear grey at photo coordinates; the border is repeated. */
-static inline double sample_grey(const struct photo *photo, double x, double y)
+static inline double grey_at(const struct photo *photo, double x, double y)
 {
     double xm = photo->width - 1.001, ym = photo->height - 1.001;
     x = x < 0 ? 0 : x > xm ? xm : x;

@@ -1,4 +1,8 @@
-#include "tracker/follow/scatter.h"
+/* Var(Z'e) by tiles. Errors of pixels that lie within a tile may be correlated in any way; tiles are larger than the
+ * residual's correlation, so that the sum over tiles of (Z'e over the tile)^2 is right whatever it is (a cluster-robust
+ * variance). Compared with the sum over pixels of (z e)^2, which is right for white noise, it gives the ratio by which
+ * the white covariance is multiplied. */
+#include "tracker/subset/scatter.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -145,6 +149,9 @@ int scatter_measure(const struct subset *subset, const struct patch *patch, cons
     add_tiles(subset, residual, &strip, &totals);
     free(strip.block);
     free(residual);
+    /* A tile's (Z'e)^2 is one draw of a chi-square law: the ratio of its mean over that of white noise has a relative
+     * variance of 2 over the number of tiles, counted by how evenly they share the weight (Kish's effective number).
+     * The prior counts as prior_freedom such tiles. */
     double freedom = 0, measured = 0; /* as many tiles as share the weight: few where there are few specks */
     for (int a = 0; a < COMPONENTS; a++)
         if (totals.pixels[a] > 0) {

@@ -1,4 +1,8 @@
-#include "findgrains/capture/circle_candidates.h"
+/* A Hough transform with the gradient's direction: each edge pixel votes for one centre per radius, r along its
+ * gradient towards the bright side. Votes are summed over 3 x 3 pixels (an edge's direction is known to some degrees)
+ * and divided by the rim's length, so that a whole rim counts 1 at every radius. Three layers, of the radii r - 1, r
+ * and r + 1, are held at a time. */
+#include "findgrains/capture/votes.h"
 
 #include "findgrains/look/opencv_shim.h"
 #include "pipeline/speak/error.h"
@@ -14,6 +18,7 @@
 #define LOWEST_PEAK 0.20 /* votes of a peak, in votes of a whole rim */
 #define LIKELY_PEAK 0.40 /* from here on a peak among centres is enough */
 
+/* Pixels of the level; the gradient's direction and not its size counts, from FULL_EDGE on. */
 struct edge {
     float x, y, ux, uy, weight; /* u: unit vector towards the bright side */
 };

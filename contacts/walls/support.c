@@ -1,4 +1,8 @@
-#include "contacts/network/support.h"
+/* A wall's offset and tilt from the rims near it, by the product of a prior and a likelihood on a grid of both (see the
+ * header). The grid starts as wide as the prior and shrinks about the mean to some deviations of what it shows, until
+ * it resolves it; its moments are the estimate. The likelihood has kinks where rims begin to touch, so that no Newton
+ * step is safe; a grid is. */
+#include "contacts/walls/support.h"
 
 #include <stdlib.h>
 

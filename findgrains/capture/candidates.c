@@ -1,10 +1,11 @@
-#include "findgrains/rims/rim.h"
+/* Thinning: best first, and a candidate stays only where no better one stands too near. With the order fixed by merit
+ * and then by position the result does not depend on the order in which threads or windows found them. */
+#include "findgrains/capture/candidates.h"
 
 #include "pipeline/numbers/cell_grid.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 #define CHANCE 0.3 /* support below which nothing is a rim */
@@ -45,12 +46,11 @@ static int better_first(const void *left, const void *right)
     return order ? order : three_way(a->rim.radius, b->rim.radius);
 }
 
-/* Is the rim clear of those that are kept, none of which is larger than `largest`? */
-static int clear_of(const struct candidates *list, const struct cell_grid *kept, const struct rim *rim, double largest,
+static int clear_of(const struct candidates *list, const struct cell_grid *kept, double largest, const struct rim *rim,
                     double share)
 {
     struct cell_search search = cell_grid_near(kept, rim->x, rim->y, share * (rim->radius + largest));
-    for (size_t k; (k = cell_grid_next(&search)) != CELL_GRID_END;) {
+    for (size_t k = cell_grid_next(&search); k != CELL_GRID_END; k = cell_grid_next(&search)) {
         const struct rim *other = &list->items[k].rim;
         double reach = share * (rim->radius + other->radius), dx = rim->x - other->x, dy = rim->y - other->y;
         if (dx * dx + dy * dy < reach * reach)
@@ -71,8 +71,9 @@ double candidates_merit(const struct candidate *item)
 
 int candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *))
 {
-    struct cell_grid cells;
+    struct cell_grid grid;
     double largest = 0;
+    size_t kept = 0;
     if (list->count == 0)
         return 0;
     for (size_t k = 0; k < list->count; k++) {
@@ -80,16 +81,15 @@ int candidates_thin(struct candidates *list, double share, double (*merit)(const
         largest = fmax(largest, list->items[k].rim.radius);
     }
     qsort(list->items, list->count, sizeof *list->items, better_first);
-    int status = cell_grid_open(&cells, list->count, 2 * share * largest + 1e-9);
-    size_t kept = 0;
-    for (size_t k = 0; k < list->count && status == 0; k++) {
+    int status = cell_grid_open(&grid, list->count, fmax(2 * share * largest, 1e-9));
+    for (size_t k = 0; k < list->count && !status; k++) {
         const struct rim *rim = &list->items[k].rim;
-        if (!clear_of(list, &cells, rim, largest, share))
+        if (!clear_of(list, &grid, largest, rim, share))
             continue;
-        cell_grid_add(&cells, kept, rim->x, rim->y);
+        cell_grid_add(&grid, kept, rim->x, rim->y);
         list->items[kept++] = list->items[k];
     }
     list->count = status ? list->count : kept;
-    cell_grid_free(&cells);
+    cell_grid_free(&grid);
     return status;
 }

@@ -3,7 +3,7 @@
 #ifndef FINDGRAINS_POLISH_H
 #define FINDGRAINS_POLISH_H
 
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 #include "findgrains/look/threshold.h"
 
 /* Moves the rims of the list and tightens their spreads; a rim that is not confirmed stays as it is. Sets `captured`

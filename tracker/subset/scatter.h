@@ -8,7 +8,7 @@
 #define TRACKER_SCATTER_H
 
 #include "tracker/subset/bspline.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 struct scatter {
