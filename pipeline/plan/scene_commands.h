@@ -1,0 +1,32 @@
+/* The commands of the program `scene`. */
+#ifndef PIPELINE_SCENE_COMMANDS_H
+#define PIPELINE_SCENE_COMMANDS_H
+
+enum scene_command {
+    SCENE_CHECK,
+    SCENE_PHOTOS,
+    SCENE_SERIES,
+    SCENE_PART,
+    SCENE_PLAN,
+    SCENE_BEGIN,
+    SCENE_STATUS,
+    SCENE_RESULTS
+};
+/* Their names, in the order of the enum; NULL-terminated. */
+extern const char *const SCENE_COMMANDS[];
+
+/* What may stand behind a command. */
+struct scene_words {
+    const char *scene;          /* its path */
+    const char *part;           /* SCENE_PART: whose */
+    const char *out;            /* folder of the results; NULL: `results` beside the scene */
+    const char *method, *start; /* as forces takes them; "": the scene's */
+    const char *runner;         /* SCENE_PLAN: a program that runs each command; "": none */
+    int make;                   /* SCENE_PLAN: as a makefile, else as lines of JSON */
+    int allow_outside;
+};
+
+/* Does it, and prints to standard output what there is to say. -1 with an error. */
+int scene_run(enum scene_command command, const struct scene_words *words);
+
+#endif
