@@ -25,8 +25,8 @@ check_words() {
     "$BUILD/bin/forces" ${METHOD:+--method "$METHOD"} ${START:+--start "$START"} --help >/dev/null || exit 2
 }
 
-# alone: from here to its end nobody else works in OUT, which is ready for the first stage. The stages inherit the lock,
-# so that a killed driver whose last stage still writes keeps others away.
+# alone: from here to the end of this process nobody else works in OUT. The stages inherit the lock, so that a killed
+# driver whose last stage still writes keeps others away.
 alone() {
     local path
     for path in "$OUT"/{.lock,.scene,.running,.flagged,.failed,logs}; do # a folder from somebody else
@@ -35,8 +35,6 @@ alone() {
     mkdir -p "$OUT"/{.scene,.running,.flagged,.failed,logs}
     exec 8>>"$OUT/.lock"
     flock --nonblock 8 || refuse "another run works in $OUT: wait for it"
-    rm -f "$OUT"/.*.tmp # with the lock in hand: of the dead
-    planner begin
 }
 
 # begin [n]: the makefile $plan, to be run in $folder; with n nothing is changed anywhere.
@@ -50,7 +48,8 @@ begin() {
     else
         alone
         folder=$OUT plan=$OUT/.scene/plan.mk
-        rm -f "$plan"
+        rm -f "$plan" "$OUT"/.*.tmp # with the lock in hand: of the dead
+        planner begin
     fi
     planner plan --format make --runner "$pipeline/stage" >"$plan"
     plan=$(realpath -- "$plan")
