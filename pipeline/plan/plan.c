@@ -3,21 +3,35 @@
  * photos, because increments, and forces that start from the previous ones, need the state before. */
 #include "pipeline/plan/plan.h"
 
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/plan/plan_text.h"
+#include "pipeline/plan/shell_word.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/speak/error.h"
 
 enum { MOST_PHOTOS = 100000, MOST_TOGETHER = 10000 };
 
 const char *const PLAN_STAGE[PLAN_STAGES] = {"findgrains", "tracker", "contacts", "forces", "report"};
-static const enum plan_stage stage_of[] = {PLAN_FINDGRAINS, PLAN_TRACKER, PLAN_CONTACTS, PLAN_FORCES,
-                                           PLAN_FORCES,     PLAN_REPORT,  PLAN_REPORT};
+
+/* What makes a result, behind the name of the stage's program. Words in capitals stand for what put_word() says; where
+ * that is a file, the result is made from it. */
+static const struct row {
+    const char *ending;
+    enum plan_stage stage;
+    const char *job, *command;
+} rows[] = {[RESULT_GRAINS] = {"grains.hdf", PLAN_FINDGRAINS, "grains", "SCENE --picture PICTURE REFERENCE"},
+            [RESULT_TRACKS] = {"tracks.hdf", PLAN_TRACKER, "tracks",
+                               "SCENE --grains GRAINS --reference REFERENCE BEFORE_IN_BLOCK PHOTO"},
+            [RESULT_CONTACTS] = {"contacts.hdf", PLAN_CONTACTS, "contacts", "SCENE BEFORE TRACKS"},
+            [RESULT_TABLE] = {"series.csv", PLAN_FORCES, "forces", "SCENE --method series START ALL_CONTACTS"},
+            [RESULT_FORCES] = {"forces.hdf", PLAN_FORCES, "forces", "SCENE METHOD START BEFORE CONTACTS"},
+            [RESULT_PICTURE] = {"forces.png", PLAN_REPORT, "forces", "map FIRST_METHOD FORCES"},
+            [RESULT_PAGE] = {"report.html", PLAN_REPORT, "page", "page SCENE ALL_STATES"}};
 
 /* ---- the series ---- */
 
@@ -38,7 +52,7 @@ static char *part_of(const struct plan *plan, enum plan_stage stage)
     char *part = scene_part(plan->scene, PLAN_STAGE[stage]), *whole = NULL;
     int with_words = stage == PLAN_FORCES || stage == PLAN_REPORT, length = -1;
     if (part)
-        length = with_words ? asprintf(&whole, "%s\n%s %s\n", part, plan->method, plan->start)
+        length = with_words ? asprintf(&whole, "%s\n%s %s\n", part, plan->words.method, plan->words.start)
                             : asprintf(&whole, "%s\n", part);
     free(part);
     if (length < 0)
@@ -50,22 +64,15 @@ static int is_together(const struct plan *plan)
 {
     const cJSON *forces = scene_section(plan->scene, "forces");
     const char *method = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(forces, "method"));
-    if (*plan->method)
-        method = plan->method;
+    if (*plan->words.method)
+        method = plan->words.method;
     return method && !strcmp(method, "series");
 }
 
 int plan_make(struct plan *plan, const struct scene *scene, const struct plan_words *words)
 {
     const struct scene_photos *photos = &scene->photos;
-    *plan = (struct plan){.scene = scene,
-                          .out = words->out,
-                          .method = words->method,
-                          .start = words->start,
-                          .programs = words->programs,
-                          .runner = words->runner,
-                          .allow_outside = words->allow_outside,
-                          .photos = photos->last - photos->first + 1};
+    *plan = (struct plan){.scene = scene, .words = *words, .folder = -1, .photos = photos->last - photos->first + 1};
     if (!photos->pattern)
         return scene_lacks(scene, "photos.pattern", "write for example \"photos/{index:04d}.tif\"");
     plan->together = is_together(plan);
@@ -75,6 +82,7 @@ int plan_make(struct plan *plan, const struct scene *scene, const struct plan_wo
                            "to scenes of their own",
                            scene->path, plan->photos, most);
     plan->count = 4 * (size_t)plan->photos + 2 + (plan->together != 0);
+    plan->folder = open(words->out, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     int failed = !(plan->scene_path = absolute(scene->path));
     for (int stage = 0; stage < PLAN_STAGES && !failed; stage++)
         failed = !(plan->part[stage] = part_of(plan, stage));
@@ -88,21 +96,22 @@ void plan_free(struct plan *plan)
     for (int stage = 0; stage < PLAN_STAGES; stage++)
         free(plan->part[stage]);
     free(plan->scene_path);
-    *plan = (struct plan){0};
+    if (plan->folder >= 0)
+        close(plan->folder);
+    *plan = (struct plan){.folder = -1};
 }
 
 /* ---- names ---- */
 
 static struct plan_name name_of(const struct plan *plan, enum plan_kind kind, long photo)
 {
-    static const char *const endings[] = {"grains.hdf", "tracks.hdf", "contacts.hdf", "", "forces.hdf", "forces.png"};
     struct plan_name result = {kind, photo, ""};
     const struct scene_photos *photos = &plan->scene->photos;
     long index = kind == RESULT_GRAINS ? photos->reference : photos->first + photo;
     if (kind == RESULT_TABLE || kind == RESULT_PAGE)
-        strcpy(result.name, kind == RESULT_TABLE ? "series.csv" : "report.html");
+        strcpy(result.name, rows[kind].ending);
     else
-        snprintf(result.name, sizeof result.name, "%04ld.%s", index, endings[kind]);
+        snprintf(result.name, sizeof result.name, "%04ld.%s", index, rows[kind].ending);
     return result;
 }
 
@@ -126,46 +135,22 @@ struct writer {
     int failed;
 };
 
-/* Words of the command that need no quoting, and a word that may. */
-static void put(struct writer *w, const char *words)
+static void put(struct writer *w, const char *option, const char *text)
 {
-    fprintf(w->command, " %s", words);
+    fprintf(w->command, " %s%s", option, *option ? " " : "");
+    shell_word(w->command, text);
 }
 
-static void put_quoted(struct writer *w, const char *word)
+static void need(struct writer *w, const char *name)
 {
-    fputc(' ', w->command);
-    plan_quote(w->command, word);
+    fprintf(w->needs, "%s%s", ftell(w->needs) > 0 ? " " : "", name);
 }
 
-static void put_program(struct writer *w, const char *command)
-{
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s", w->plan->programs, PLAN_STAGE[w->product->stage]) < 0) {
-        w->failed = error_memory("plan");
-        return;
-    }
-    if (*w->plan->runner) {
-        plan_quote(w->command, w->plan->runner);
-        fprintf(w->command, " %s ", w->product->of.name);
-    }
-    plan_quote(w->command, path);
-    free(path);
-    if (command)
-        put(w, command);
-    if (!command || !strcmp(command, "page")) {
-        put(w, w->plan->allow_outside ? "--allow-outside --scene" : "--scene");
-        put_quoted(w, w->plan->scene_path);
-    }
-}
-
-/* The result is made from another one, which the command names after `option`; "": just the name; NULL: not there. */
-static void need(struct writer *w, const char *option, enum plan_kind kind, long photo)
+static void put_result(struct writer *w, const char *option, enum plan_kind kind, long photo)
 {
     struct plan_name other = name_of(w->plan, kind, photo);
-    fprintf(w->needs, "%s%s", ftell(w->needs) > 0 ? " " : "", other.name);
-    if (option)
-        fprintf(w->command, " %s%s%s", option, *option ? " " : "", other.name);
+    need(w, other.name);
+    put(w, option, other.name);
 }
 
 /* Takes the path, also where it is NULL after a failure; returns it for the command. */
@@ -180,166 +165,133 @@ static const char *reads(struct writer *w, char *path)
     return whole ? whole : "";
 }
 
-static const char *reads_photo(struct writer *w, long index)
+/* All results of these kinds (bits). */
+static void need_all(struct writer *w, unsigned kinds)
 {
-    return reads(w, scene_photo_path(w->plan->scene, index));
-}
-
-static void reads_files_of_scene(struct writer *w)
-{
-    const char *paths[2];
-    size_t count = scene_part_files(w->plan->scene, PLAN_STAGE[w->product->stage], paths);
-    for (size_t k = 0; k < count; k++)
-        reads(w, strdup(paths[k]));
+    for (size_t k = 0; k < w->plan->count; k++) {
+        struct plan_name other = plan_name(w->plan, k);
+        if (kinds >> other.kind & 1)
+            need(w, other.name);
+    }
 }
 
 /* A word with '.' or '/' that is the name of a file is one to start from: the words that forces knows have neither. */
 static void put_start(struct writer *w)
 {
-    const char *start = w->plan->start;
-    if (!*start)
-        return;
-    put(w, "--start");
-    put_quoted(w, strpbrk(start, "./") && !access(start, F_OK) ? reads(w, strdup(start)) : start);
+    const char *start = w->plan->words.start;
+    if (*start)
+        put(w, "--start", strpbrk(start, "./") && !access(start, F_OK) ? reads(w, strdup(start)) : start);
 }
 
-static void describe_grains(struct writer *w)
+/* The methods of forces, or as many letters of them; where nobody names one the programs choose. */
+static void put_method(struct writer *w, const char *method, size_t length)
 {
-    const struct scene_photos *photos = &w->plan->scene->photos;
-    put_program(w, NULL);
-    fprintf(w->command, " --picture %04ld.grains.png", photos->reference);
-    put_quoted(w, reads_photo(w, photos->reference));
-}
-
-static void describe_tracks(struct writer *w, long photo)
-{
-    const struct scene_photos *photos = &w->plan->scene->photos;
-    put_program(w, NULL);
-    need(w, "--grains", RESULT_GRAINS, 0);
-    put(w, "--reference");
-    put_quoted(w, reads_photo(w, photos->reference));
-    if (photo % photos->block)
-        need(w, "--previous", RESULT_TRACKS, photo - 1);
-    put_quoted(w, reads_photo(w, photos->first + photo));
-}
-
-static void describe_contacts(struct writer *w, long photo)
-{
-    put_program(w, NULL);
-    if (photo)
-        need(w, "--previous", RESULT_CONTACTS, photo - 1);
-    need(w, "", RESULT_TRACKS, photo);
-}
-
-static void describe_table(struct writer *w)
-{
-    put_program(w, NULL);
-    put(w, "--method series");
-    put_start(w);
-    put(w, "$(<" PLAN_CONTACTS_LIST ")"); /* as words of a recipe they are longer than one may be */
-    for (long photo = 0; photo < w->plan->photos; photo++)
-        need(w, NULL, RESULT_CONTACTS, photo);
-}
-
-static void describe_forces(struct writer *w, long photo)
-{
-    if (w->plan->together) {
-        need(w, NULL, RESULT_TABLE, 0);
-        return;
-    }
-    put_program(w, NULL);
-    if (*w->plan->method) {
-        put(w, "--method");
-        put_quoted(w, w->plan->method);
-    }
-    put_start(w);
-    if (photo)
-        need(w, "--previous", RESULT_FORCES, photo - 1);
-    need(w, "", RESULT_CONTACTS, photo);
-}
-
-/* The picture shows the first of the methods. */
-static void describe_picture(struct writer *w, long photo)
-{
-    const char *method = w->plan->together ? "series" : w->plan->method;
-    char *first = strndup(method, strcspn(method, ","));
-    put_program(w, "map");
-    if (!first)
+    char *part = strndup(method, length);
+    if (!part)
         w->failed = error_memory("plan");
-    else if (*first) {
-        put(w, "--method");
-        put_quoted(w, first);
-    }
-    free(first);
-    need(w, "", RESULT_FORCES, photo);
+    else if (*part)
+        put(w, "--method", part);
+    free(part);
 }
 
-static void describe_page(struct writer *w)
+static void put_word(struct writer *w, const char *word)
 {
-    put_program(w, "page");
-    put(w, "--list " PLAN_PAGE_LIST);
-    for (size_t k = 0; k < w->plan->count; k++) {
-        struct plan_name other = plan_name(w->plan, k);
-        if (other.kind != RESULT_TABLE && other.kind != RESULT_PICTURE && other.kind != RESULT_PAGE)
-            need(w, NULL, other.kind, other.photo);
+    const struct plan *plan = w->plan;
+    const struct scene_photos *photos = &plan->scene->photos;
+    const char *method = plan->together ? "series" : plan->words.method;
+    struct plan_name of = w->product->of;
+    char picture[40];
+    if (!strcmp(word, "SCENE"))
+        put(w, plan->words.allow_outside ? "--allow-outside --scene" : "--scene", plan->scene_path);
+    else if (!strcmp(word, "PHOTO") || !strcmp(word, "REFERENCE"))
+        put(w, "",
+            reads(w, scene_photo_path(plan->scene, *word == 'R' ? photos->reference : photos->first + of.photo)));
+    else if (!strcmp(word, "GRAINS"))
+        put_result(w, "", RESULT_GRAINS, 0);
+    else if (!strcmp(word, "TRACKS"))
+        put_result(w, "", RESULT_TRACKS, of.photo);
+    else if (!strcmp(word, "CONTACTS"))
+        put_result(w, "", RESULT_CONTACTS, of.photo);
+    else if (!strcmp(word, "FORCES"))
+        put_result(w, "", RESULT_FORCES, of.photo);
+    else if (!strcmp(word, "BEFORE") || !strcmp(word, "BEFORE_IN_BLOCK")) {
+        if (word[6] ? of.photo % photos->block : of.photo)
+            put_result(w, "--previous", of.kind, of.photo - 1);
+    } else if (!strcmp(word, "METHOD"))
+        put_method(w, method, strlen(method));
+    else if (!strcmp(word, "FIRST_METHOD"))
+        put_method(w, method, strcspn(method, ","));
+    else if (!strcmp(word, "START"))
+        put_start(w);
+    else if (!strcmp(word, "ALL_CONTACTS")) {
+        fputs(" $(<" PLAN_CONTACTS_LIST ")", w->command); /* as text of a recipe they are longer than one may be */
+        need_all(w, 1 << RESULT_CONTACTS);
+    } else if (!strcmp(word, "ALL_STATES")) {
+        put(w, "--list", PLAN_PAGE_LIST);
+        need_all(w, PLAN_STATES);
+    } else if (!strcmp(word, "PICTURE")) {
+        snprintf(picture, sizeof picture, "%04ld.grains.png", photos->reference);
+        put(w, "", picture);
+    } else
+        put(w, "", word);
+}
+
+static void put_command(struct writer *w, const struct row *row)
+{
+    char *path = NULL, word[24];
+    if (asprintf(&path, "%s/%s", w->plan->words.programs, PLAN_STAGE[row->stage]) < 0) {
+        w->failed = error_memory("plan");
+        return;
     }
+    if (*w->plan->words.runner) {
+        shell_word(w->command, w->plan->words.runner);
+        fprintf(w->command, " %s ", w->product->of.name);
+    }
+    shell_word(w->command, path);
+    free(path);
+    for (const char *c = row->command; sscanf(c, "%23s", word) == 1; c += strspn(c, " ") + strlen(word))
+        put_word(w, word);
 }
 
 static void describe(struct writer *w)
 {
-    long photo = w->product->of.photo;
-    switch (w->product->of.kind) {
-    case RESULT_GRAINS:
-        describe_grains(w);
-        break;
-    case RESULT_TRACKS:
-        describe_tracks(w, photo);
-        break;
-    case RESULT_CONTACTS:
-        describe_contacts(w, photo);
-        break;
-    case RESULT_TABLE:
-        describe_table(w);
-        break;
-    case RESULT_FORCES:
-        describe_forces(w, photo);
-        break;
-    case RESULT_PICTURE:
-        describe_picture(w, photo);
-        break;
-    case RESULT_PAGE:
-        describe_page(w);
-        break;
+    const char *paths[2];
+    const struct row *row = &rows[w->product->of.kind];
+    if (w->plan->together && w->product->of.kind == RESULT_FORCES) {
+        need(w, rows[RESULT_TABLE].ending);
+        return;
     }
-    reads_files_of_scene(w);
+    put_command(w, row);
+    size_t count = scene_part_files(w->plan->scene, PLAN_STAGE[row->stage], paths);
+    for (size_t k = 0; k < count; k++)
+        reads(w, strdup(paths[k]));
 }
 
 /* One job per block and stage; the pictures go with the forces that they show. */
 static void name_job(const struct plan *plan, struct product *product)
 {
-    static const char *const jobs[] = {"grains", "tracks", "contacts", "forces", "forces", "forces", "page"};
     enum plan_kind kind = product->of.kind;
     int whole = kind == RESULT_GRAINS || kind == RESULT_PAGE || (kind >= RESULT_TABLE && plan->together);
-    int used = snprintf(product->job, sizeof product->job, "%s", jobs[kind]);
-    if (!whole)
-        snprintf(product->job + used, sizeof product->job - (size_t)used, "_%ld",
-                 product->of.photo / plan->scene->photos.block);
+    long block = product->of.photo / plan->scene->photos.block;
+    if (whole)
+        strcpy(product->job, rows[kind].job);
+    else
+        snprintf(product->job, sizeof product->job, "%s_%ld", rows[kind].job, block);
 }
 
 int plan_product(const struct plan *plan, size_t k, struct product *product)
 {
     size_t sizes[2];
     *product = (struct product){.of = plan_name(plan, k)};
-    product->stage = stage_of[product->of.kind];
+    product->stage = rows[product->of.kind].stage;
     name_job(plan, product);
     struct writer w = {.plan = plan, .product = product};
     w.command = open_memstream(&product->command, &sizes[0]);
     w.needs = open_memstream(&product->needs, &sizes[1]);
     if (w.command && w.needs)
         describe(&w);
-    else
-        w.failed = error_memory("plan");
-    int cut = (w.command && fclose(w.command)) + (w.needs && fclose(w.needs));
+    int cut = !w.command || fclose(w.command);
+    cut |= !w.needs || fclose(w.needs);
     if (cut && !w.failed)
         w.failed = error_memory("plan");
     if (w.failed)

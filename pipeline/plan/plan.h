@@ -32,26 +32,26 @@ struct plan_name {
     char name[32];
 };
 
-struct plan {
-    const struct scene *scene; /* borrowed, as the next three */
-    const char *out;           /* folder of the results, as the user wrote it; need not be there */
-    const char *method;        /* methods of forces, "map,qsm" or "series"; "": the scene's */
-    const char *start;         /* what forces starts from; "": the scene's */
-    int allow_outside;         /* 1: the programs are told so */
-    const char *programs;      /* absolute path of the folder with the programs; borrowed */
-    const char *runner;        /* path of a program (pipeline/stage) that runs each command; "": none; borrowed */
-    char *scene_path;          /* absolute */
-    char *part[PLAN_STAGES];   /* what a stage's results depend on besides files: its part of the scene, and for forces
-                                  and report a line "METHOD START" */
-    int together;              /* 1: forces of all photos in one run (method series) */
-    long photos;               /* >= 1 */
-    size_t count;              /* results: 4 photos + 2, and series.csv where together */
+/* What the command line says of a series; "" where it says nothing. */
+struct plan_words {
+    const char *out;      /* folder of the results; need not be there */
+    const char *method;   /* methods of forces, "map,qsm" or "series"; else the scene's */
+    const char *start;    /* what forces starts from; else the scene's */
+    const char *programs; /* absolute path of the folder with the programs */
+    const char *runner;   /* path of a program that runs each command (pipeline/stage) */
+    int allow_outside;    /* 1: the programs are told so */
 };
 
-/* What plan_make() takes from the command line; "" where it says nothing. */
-struct plan_words {
-    const char *out, *method, *start, *programs, *runner;
-    int allow_outside;
+struct plan {
+    const struct scene *scene; /* borrowed, as are the words */
+    struct plan_words words;
+    int folder;              /* words.out, opened; -1 where it is not there: then all that lies in it is missing */
+    char *scene_path;        /* absolute */
+    char *part[PLAN_STAGES]; /* what a stage's results depend on besides files: its part of the scene, and for forces
+                                and report a line "METHOD START" */
+    int together;            /* 1: forces of all photos in one run (method series) */
+    long photos;             /* >= 1 */
+    size_t count;            /* results: 4 photos + 2, and series.csv where together */
 };
 
 /* -1 with an error: the scene has no photos.pattern; more than 100,000 photos (10,000 where all are taken together:
@@ -80,6 +80,7 @@ void product_free(struct product *product);
 
 /* The files in the folder .scene of the results that hold further words of a command, one name a line: the states that
  * the page shows, the contacts that forces takes together. */
+enum { PLAN_STATES = 1 << RESULT_GRAINS | 1 << RESULT_TRACKS | 1 << RESULT_CONTACTS | 1 << RESULT_FORCES };
 #define PLAN_PAGE_LIST ".scene/page.list"
 #define PLAN_CONTACTS_LIST ".scene/contacts.list"
 

@@ -1,6 +1,7 @@
 #include "pipeline/plan/plan_marks.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -9,59 +10,47 @@
 #include "pipeline/files/new_file.h"
 #include "pipeline/speak/error.h"
 
-/* OUT/folder/name, to be freed; folder "": OUT/name. */
-static char *inside(const struct plan *plan, const char *folder, const char *name)
-{
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s%s%s", plan->out, folder, *folder ? "/" : "", name) >= 0)
-        return path;
-    error_set(EXIT_FAILED, "out of memory: plan: use a machine with more memory");
-    return NULL;
-}
+enum { NAME = 64 }; /* bytes of ".failed/" or ".scene/" and a name of ours */
 
-/* 1: there; 0: not, or a symbolic link that leads nowhere; -1 with an error. `info` may be NULL. */
-static int is_there(const struct plan *plan, const char *folder, const char *name, struct stat *info)
+int plan_holds(const struct plan *plan, const char *folder, const char *name)
 {
-    struct stat own;
-    char *path = inside(plan, folder, name);
-    int there = path ? !stat(path, info ? info : &own) : -1;
-    free(path);
-    return there;
+    char path[NAME];
+    snprintf(path, sizeof path, "%s%s", folder, name);
+    return !faccessat(plan->folder, path, F_OK, 0);
 }
 
 /* ---- what changed ---- */
 
 /* Does the file say exactly this? What cannot be read says something else. */
-static int says(const char *path, const char *text)
+static int says(const struct plan *plan, const char *name, const char *text)
 {
-    size_t length = strlen(text), used = 0;
-    FILE *file = fopen(path, "r");
-    int c = EOF;
-    while (file && used < length && (c = fgetc(file)) != EOF && c == (unsigned char)text[used])
-        used++;
-    int same = file && used == length && fgetc(file) == EOF;
-    if (file)
-        fclose(file);
+    size_t length = strlen(text), got = 0;
+    char *content = malloc(length + 1);
+    int file = openat(plan->folder, name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *stream = file >= 0 ? fdopen(file, "r") : NULL;
+    if (stream && content)
+        got = fread(content, 1, length + 1, stream);
+    int same = stream && content && got == length && !memcmp(content, text, length);
+    if (stream)
+        fclose(stream);
+    free(content);
     return same;
 }
 
-int plan_marks_read(const struct plan *plan, struct plan_marks *marks)
+void plan_changed_parts(const struct plan *plan, int changed[PLAN_STAGES])
 {
     for (int stage = 0; stage < PLAN_STAGES; stage++) {
-        char *path = inside(plan, ".scene", PLAN_STAGE[stage]);
-        if (!path)
-            return -1;
-        marks->part_changed[stage] = !says(path, plan->part[stage]);
-        free(path);
+        char name[NAME];
+        snprintf(name, sizeof name, ".scene/%s", PLAN_STAGE[stage]);
+        changed[stage] = !says(plan, name, plan->part[stage]);
     }
-    return 0;
 }
 
-/* As make compares: newer by a nanosecond is newer. What is not there must be made, or complained about, again. */
-static int is_newer(const char *path, const struct stat *than)
+/* Is the file in `folder` newer, or not there? Then the stage will make it again, or complain. */
+static int is_newer(int folder, const char *path, const struct stat *than)
 {
     struct stat info;
-    if (stat(path, &info))
+    if (fstatat(folder, path, &info, 0))
         return 1;
     const struct timespec *a = &info.st_mtim, *b = &than->st_mtim;
     return a->tv_sec > b->tv_sec || (a->tv_sec == b->tv_sec && a->tv_nsec > b->tv_nsec);
@@ -69,129 +58,119 @@ static int is_newer(const char *path, const struct stat *than)
 
 static int lacks_forces(const struct plan *plan)
 {
-    int there = 1;
-    for (size_t k = 0; k < plan->count && there > 0; k++) {
+    int lacking = 0;
+    for (size_t k = 0; k < plan->count && !lacking; k++) {
         struct plan_name name = plan_name(plan, k);
-        if (name.kind == RESULT_FORCES)
-            there = is_there(plan, "", name.name, NULL);
+        lacking = name.kind == RESULT_FORCES && !plan_holds(plan, "", name.name);
     }
-    return there < 0 ? -1 : !there;
+    return lacking;
 }
 
-int plan_is_changed(const struct plan *plan, const struct plan_marks *marks, const struct product *product)
+int plan_is_changed(const struct plan *plan, const int parts[PLAN_STAGES], const struct product *product)
 {
     struct stat made;
-    int there = is_there(plan, "", product->of.name, &made);
-    if (there <= 0 || !*product->command)
-        return there < 0 ? -1 : 0;
-    int cut_off = is_there(plan, ".running", product->of.name, NULL);
-    if (cut_off || marks->part_changed[product->stage])
-        return cut_off < 0 ? -1 : 1;
-    char *part = inside(plan, ".scene", PLAN_STAGE[product->stage]);
-    char *program = NULL;
-    if (!part || asprintf(&program, "%s/%s", plan->programs, PLAN_STAGE[product->stage]) < 0) {
-        free(part);
-        return error_memory("plan");
-    }
-    int changed = is_newer(part, &made) || is_newer(program, &made);
-    free(part);
-    free(program);
+    char part[NAME], program[4096];
+    if (!*product->command || fstatat(plan->folder, product->of.name, &made, 0))
+        return 0;
+    snprintf(part, sizeof part, ".scene/%s", PLAN_STAGE[product->stage]);
+    snprintf(program, sizeof program, "%s/%s", plan->words.programs, PLAN_STAGE[product->stage]);
+    int changed = parts[product->stage] || plan_holds(plan, ".running/", product->of.name) ||
+                  is_newer(plan->folder, part, &made) || is_newer(AT_FDCWD, program, &made) ||
+                  (product->of.kind == RESULT_TABLE && lacks_forces(plan));
     for (size_t k = 0; k < product->read_count && !changed; k++)
-        changed = is_newer(product->reads[k], &made);
-    return !changed && product->of.kind == RESULT_TABLE ? lacks_forces(plan) : changed;
+        changed = is_newer(AT_FDCWD, product->reads[k], &made);
+    return changed;
 }
 
 /* ---- before a run ---- */
 
+static int fail_in(const struct plan *plan, const char *name)
+{
+    return error_failed("%s/%s: %s: is the disk full, or the folder not yours?", plan->words.out, name,
+                        strerror(errno));
+}
+
 /* Gone, or never there. */
 static int remove_file(const struct plan *plan, const char *folder, const char *name)
 {
-    char *path = inside(plan, folder, name);
-    int failed = !path || (unlink(path) && errno != ENOENT);
-    if (failed && path)
-        error_set(EXIT_FAILED, "%s: %s: make the folder writable", path, strerror(errno));
-    free(path);
-    return failed ? -1 : 0;
+    char path[NAME];
+    snprintf(path, sizeof path, "%s%s", folder, name);
+    return unlinkat(plan->folder, path, 0) && errno != ENOENT ? fail_in(plan, path) : 0;
 }
 
 static int remove_remains(const struct plan *plan)
 {
     for (size_t k = 0; k < plan->count; k++) {
-        const char *name = plan_name(plan, k).name;
-        int cut_off = is_there(plan, ".running", name, NULL);
-        if (cut_off < 0 || (cut_off && (remove_file(plan, "", name) || remove_file(plan, ".running", name))) ||
-            remove_file(plan, ".failed", name))
+        struct plan_name of = plan_name(plan, k);
+        if (plan_holds(plan, ".running/", of.name) &&
+            (remove_file(plan, "", of.name) || remove_file(plan, ".running/", of.name)))
+            return -1;
+        if (remove_file(plan, ".failed/", of.name))
             return -1;
     }
-    int lost = plan->together ? lacks_forces(plan) : 1;
-    return lost > 0 ? remove_file(plan, "", "series.csv") : lost;
+    return !plan->together || lacks_forces(plan) ? remove_file(plan, "", "series.csv") : 0;
 }
 
-/* Writes OUT/name unless it says just that: its time tells when it changed. */
+static int write_text(const struct plan *plan, const char *path, const char *text)
+{
+    struct new_file file;
+    struct stat info;
+    if (!lstat(path, &info) && S_ISLNK(info.st_mode))
+        return error_failed("%s: is a symbolic link: remove it, nothing is written through links", path);
+    if (new_file_begin(&file, path))
+        return -1;
+    FILE *stream = fopen(file.temporary, "w");
+    int failed = !stream || fputs(text, stream) < 0;
+    if ((stream && fclose(stream)) || failed) {
+        fail_in(plan, path);
+        new_file_discard(&file);
+        return -1;
+    }
+    return new_file_commit(&file);
+}
+
+/* The file says this; when it did before it stays, and its time tells when it changed. */
 static int keep(const struct plan *plan, const char *name, const char *text)
 {
-    struct new_file file = {0};
-    struct stat info;
-    char *path = inside(plan, "", name);
-    int failed = !path;
-    if (path && !lstat(path, &info) && S_ISLNK(info.st_mode))
-        failed = error_failed("%s: is a symbolic link: remove it, nothing is written through links", path);
-    if (!failed && !says(path, text) && !(failed = new_file_begin(&file, path))) {
-        FILE *stream = fopen(file.temporary, "w");
-        failed = !stream || fputs(text, stream) < 0;
-        if ((stream && fclose(stream)) || failed) {
-            failed = error_failed("%s: %s: is the disk full?", path, strerror(errno));
-            new_file_discard(&file);
-        } else
-            failed = new_file_commit(&file);
-    }
+    char *path = NULL;
+    if (says(plan, name, text))
+        return 0;
+    if (asprintf(&path, "%s/%s", plan->words.out, name) < 0)
+        return error_memory("plan");
+    int failed = write_text(plan, path, text);
     free(path);
-    return failed ? -1 : 0;
+    return failed;
 }
 
-/* The names of some results, one a line; to be freed. */
-static char *list_of(const struct plan *plan, unsigned kinds)
+/* The names of the results of these kinds (bits), one a line. */
+static int keep_list(const struct plan *plan, const char *name, unsigned kinds)
 {
     char *text = NULL;
     size_t size;
     FILE *stream = open_memstream(&text, &size);
     for (size_t k = 0; stream && k < plan->count; k++) {
-        struct plan_name name = plan_name(plan, k);
-        if (kinds >> name.kind & 1)
-            fprintf(stream, "%s\n", name.name);
+        struct plan_name of = plan_name(plan, k);
+        if (kinds >> of.kind & 1)
+            fprintf(stream, "%s\n", of.name);
     }
-    if (!stream || fclose(stream)) {
-        error_set(EXIT_FAILED, "out of memory: plan: use a machine with more memory");
-        free(text);
-        return NULL;
-    }
-    return text;
-}
-
-static int keep_list(const struct plan *plan, const char *name, unsigned kinds)
-{
-    char *text = list_of(plan, kinds);
-    int failed = !text || keep(plan, name, text);
+    int failed = !stream || fclose(stream) ? error_memory("plan") : keep(plan, name, text);
     free(text);
-    return failed ? -1 : 0;
+    return failed;
 }
 
 int plan_begin(const struct plan *plan)
 {
-    char *folder = inside(plan, "", ".scene");
-    int failed = !folder || (mkdir(folder, 0777) && errno != EEXIST);
-    if (failed && folder)
-        error_set(EXIT_FAILED, "%s: %s: name a folder that can be written", folder, strerror(errno));
-    free(folder);
-    failed = failed || remove_remains(plan);
-    for (int stage = 0; stage < PLAN_STAGES && !failed; stage++) {
-        char name[40];
+    char name[NAME];
+    if (plan->folder < 0 || (mkdirat(plan->folder, ".scene", 0777) && errno != EEXIST))
+        return fail_in(plan, ".scene");
+    if (remove_remains(plan))
+        return -1;
+    for (int stage = 0; stage < PLAN_STAGES; stage++) {
         snprintf(name, sizeof name, ".scene/%s", PLAN_STAGE[stage]);
-        failed = keep(plan, name, plan->part[stage]);
+        if (keep(plan, name, plan->part[stage]))
+            return -1;
     }
-    enum { STATES = 1 << RESULT_GRAINS | 1 << RESULT_TRACKS | 1 << RESULT_CONTACTS | 1 << RESULT_FORCES };
-    return failed || keep_list(plan, PLAN_PAGE_LIST, STATES) ||
-                   keep_list(plan, PLAN_CONTACTS_LIST, 1 << RESULT_CONTACTS)
+    return keep_list(plan, PLAN_PAGE_LIST, PLAN_STATES) || keep_list(plan, PLAN_CONTACTS_LIST, 1 << RESULT_CONTACTS)
                ? -1
                : 0;
 }

@@ -8,17 +8,17 @@
 
 #include "pipeline/plan/plan.h"
 
-/* For all results of one stage. */
-struct plan_marks {
-    int part_changed[PLAN_STAGES]; /* 1: .scene/STAGE says something else than the plan, or is not there */
-};
+/* 1: the folder of the results holds this file ("0001.tracks.hdf", ".failed/0001.tracks.hdf"). */
+int plan_holds(const struct plan *plan, const char *folder, const char *name);
 
-int plan_marks_read(const struct plan *plan, struct plan_marks *marks);
+/* Into `changed`, for each stage, 1 where .scene/STAGE says something else than the plan, or is not there. */
+void plan_changed_parts(const struct plan *plan, int changed[PLAN_STAGES]);
 
 /* 1 when a result that is there must be made again because of what is no result itself: its stage was cut off, its part
- * of the scene, its program or a file that it reads is newer than it, or (series.csv) a file that was written with it
- * is gone. 0 when not, also where it is not there at all. -1 with an error. */
-int plan_is_changed(const struct plan *plan, const struct plan_marks *marks, const struct product *product);
+ * of the scene (`parts`, as above), its program or a file that it reads changed since, or (series.csv) a file that was
+ * written with it is gone. 0 when not, also where it is not there at all. As for make, what is newer by a nanosecond
+ * changed. */
+int plan_is_changed(const struct plan *plan, const int parts[PLAN_STAGES], const struct product *product);
 
 /* Before the first stage of a run, by whoever is alone in the folder (which must be there): removes results whose stage
  * was cut off, with the marks of that and of failures, and a series.csv that no longer says what the files do; writes
@@ -26,10 +26,10 @@ int plan_is_changed(const struct plan *plan, const struct plan_marks *marks, con
 int plan_begin(const struct plan *plan);
 
 /* One line per result: name, tabulator, "done", "flagged", "failed", "begun" or "missing", tabulator, "there" or
- * "absent": a file can be there although its stage failed later. -1 with an error. */
-int plan_print_results(const struct plan *plan, FILE *stream);
+ * "absent": a file can be there although its stage failed later. */
+void plan_print_results(const struct plan *plan, FILE *stream);
 
-/* A table of the same for people, one row per photo, with what failed and flagged stages said. */
+/* A table of the same for people, one row per photo, with what failed and flagged stages said; -1: no memory. */
 int plan_print_status(const struct plan *plan, FILE *stream);
 
 #endif

@@ -12,62 +12,50 @@
 enum { DONE, FLAGGED, FAILED, BEGUN, MISSING, OUTCOMES };
 static const char *const outcome_words[] = {"done", "flagged", "failed", "begun", "missing"};
 
-struct outcome {
-    int word, there;
-};
-
-/* Is OUT/folder/name there? Names that are too long for a path are not. */
-static int exists(const struct plan *plan, const char *folder, const char *name)
+static int outcome_of(const struct plan *plan, const char *name)
 {
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s%s", plan->out, folder, name);
-    return length < (int)sizeof path && !access(path, F_OK);
+    return plan_holds(plan, ".failed/", name)    ? FAILED
+           : plan_holds(plan, ".running/", name) ? BEGUN
+           : !plan_holds(plan, "", name)         ? MISSING
+           : plan_holds(plan, ".flagged/", name) ? FLAGGED
+                                                 : DONE;
 }
 
-static struct outcome outcome_of(const struct plan *plan, const char *name)
-{
-    struct outcome outcome = {.there = exists(plan, "", name)};
-    outcome.word = exists(plan, ".failed/", name)    ? FAILED
-                   : exists(plan, ".running/", name) ? BEGUN
-                   : !outcome.there                  ? MISSING
-                   : exists(plan, ".flagged/", name) ? FLAGGED
-                                                     : DONE;
-    return outcome;
-}
-
-int plan_print_results(const struct plan *plan, FILE *stream)
+void plan_print_results(const struct plan *plan, FILE *stream)
 {
     for (size_t k = 0; k < plan->count; k++) {
-        struct plan_name name = plan_name(plan, k);
-        struct outcome outcome = outcome_of(plan, name.name);
-        fprintf(stream, "%s\t%s\t%s\n", name.name, outcome_words[outcome.word], outcome.there ? "there" : "absent");
+        struct plan_name of = plan_name(plan, k);
+        fprintf(stream, "%s\t%s\t%s\n", of.name, outcome_words[outcome_of(plan, of.name)],
+                plan_holds(plan, "", of.name) ? "there" : "absent");
     }
-    return 0;
 }
 
-/* What a stage said, line by line, fit for a terminal. */
-static void print_mark(const struct plan *plan, const char *folder, const char *name, FILE *stream)
+/* What the stages of that outcome said, line by line, fit for a terminal. */
+static void print_marks(const struct plan *plan, const unsigned char *words, int outcome, FILE *stream)
 {
-    char path[4096], *line = NULL;
+    char path[64], *line = NULL;
     size_t room = 0;
-    int length = snprintf(path, sizeof path, "%s/%s/%s", plan->out, folder, name);
-    FILE *file = length < (int)sizeof path ? fopen(path, "r") : NULL;
-    for (ssize_t got; file && (got = getline(&line, &room, file)) > 0;) {
-        line[got - (line[got - 1] == '\n')] = '\0';
-        text_print(stream, line);
-        fputc('\n', stream);
+    for (size_t k = 0; k < plan->count; k++) {
+        if (words[k] != outcome)
+            continue;
+        snprintf(path, sizeof path, ".%s/%s", outcome_words[outcome], plan_name(plan, k).name);
+        int mark = openat(plan->folder, path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        FILE *file = mark >= 0 ? fdopen(mark, "r") : NULL;
+        for (ssize_t got; file && (got = getline(&line, &room, file)) > 0;) {
+            line[got - (line[got - 1] == '\n')] = '\0';
+            text_print(stream, line);
+            fputc('\n', stream);
+        }
+        if (file)
+            fclose(file);
     }
     free(line);
-    if (file)
-        fclose(file);
 }
 
 /* Does somebody hold the lock of the folder? */
 static int is_busy(const struct plan *plan)
 {
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/.lock", plan->out);
-    int lock = length < (int)sizeof path ? open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC) : -1;
+    int lock = openat(plan->folder, ".lock", O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     int busy = lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) != 0;
     if (lock >= 0)
         close(lock);
@@ -105,7 +93,7 @@ int plan_print_status(const struct plan *plan, FILE *stream)
     if (!words)
         return error_memory("table");
     for (size_t k = 0; k < plan->count; k++) {
-        words[k] = (unsigned char)outcome_of(plan, plan_name(plan, k).name).word;
+        words[k] = (unsigned char)outcome_of(plan, plan_name(plan, k).name);
         count[words[k]]++;
     }
     if (is_busy(plan))
@@ -113,12 +101,8 @@ int plan_print_status(const struct plan *plan, FILE *stream)
     print_table(plan, words, stream);
     fprintf(stream, "%zu done, %zu flagged, %zu failed, %zu begun, %zu missing\n", count[DONE], count[FLAGGED],
             count[FAILED], count[BEGUN], count[MISSING]);
-    for (size_t k = 0; k < plan->count; k++)
-        if (words[k] == FAILED)
-            print_mark(plan, ".failed", plan_name(plan, k).name, stream);
-    for (size_t k = 0; k < plan->count; k++)
-        if (words[k] == FLAGGED)
-            print_mark(plan, ".flagged", plan_name(plan, k).name, stream);
+    print_marks(plan, words, FAILED, stream);
+    print_marks(plan, words, FLAGGED, stream);
     free(words);
     return 0;
 }

@@ -9,24 +9,6 @@
 #include "pipeline/plan/plan_marks.h"
 #include "pipeline/speak/error.h"
 
-static const char harmless[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.,+@/-";
-
-void plan_quote(FILE *stream, const char *word)
-{
-    if (*word && !word[strspn(word, harmless)]) {
-        fputs(word, stream);
-        return;
-    }
-    fputs("$'", stream);
-    for (const unsigned char *c = (const unsigned char *)word; *c; c++) {
-        if (*c < 0x20 || *c == 0x7F || *c == '\'' || *c == '\\')
-            fprintf(stream, "\\%03o", *c);
-        else
-            fputc(*c, stream);
-    }
-    fputc('\'', stream);
-}
-
 /* Text of the shell in a recipe: '$' is the one letter that means something to make there. */
 static void put_in_recipe(const char *text, FILE *stream)
 {
@@ -34,43 +16,35 @@ static void put_in_recipe(const char *text, FILE *stream)
         fprintf(stream, *text == '$' ? "$$" : "%c", *text);
 }
 
-static int print_rule(const struct plan *plan, const struct plan_marks *marks, const struct product *product,
-                      FILE *stream)
+static void print_rule(const struct plan *plan, const int parts[PLAN_STAGES], const struct product *product,
+                       FILE *stream)
 {
-    int changed = plan_is_changed(plan, marks, product);
-    if (changed < 0)
-        return -1;
-    fprintf(stream, "%s: %s%s", product->of.name, product->needs, changed ? " changed" : "");
+    fprintf(stream, "%s: %s%s", product->of.name, product->needs,
+            plan_is_changed(plan, parts, product) ? " changed" : "");
     if (*product->command) {
         fputs("\n\t@", stream);
         put_in_recipe(product->command, stream);
         fputc('\n', stream);
     } else
         fputs(" ;\n", stream); /* an empty recipe: make looks again at the time of the file */
-    return 0;
 }
 
 int plan_print_make(const struct plan *plan, FILE *stream)
 {
-    struct plan_marks marks;
-    struct product product;
-    if (plan_marks_read(plan, &marks))
-        return -1;
+    int parts[PLAN_STAGES];
+    plan_changed_parts(plan, parts);
     fputs("# Made by `scene plan`.\nSHELL := /bin/bash\n.SUFFIXES:\n.DELETE_ON_ERROR:\n.PHONY: stages changed\n"
           "stages:\nchanged:\n",
           stream);
     for (size_t k = 0; k < plan->count; k++) {
+        struct product product;
         if (plan_product(plan, k, &product))
             return -1;
-        int failed = print_rule(plan, &marks, &product, stream);
+        fprintf(stream, "stages: %s\n", product.of.name);
+        print_rule(plan, parts, &product, stream);
         product_free(&product);
-        if (failed)
-            return -1;
     }
-    fputs("stages:", stream);
-    for (size_t k = 0; k < plan->count; k++)
-        fprintf(stream, " %s", plan_name(plan, k).name);
-    fputs("\n\t@:\n", stream);
+    fputs("stages:\n\t@:\n", stream);
     return 0;
 }
 

@@ -6,10 +6,6 @@
 
 struct plan;
 
-/* One word of bash that says exactly this text, whatever stands in it: harmless names as they are, others as $'...'
- * with \ooo for quotes, backslashes and control characters; never a line break. */
-void plan_quote(FILE *stream, const char *word);
-
 /* A makefile (GNU make 4.3) whose goal `stages` makes every result; it is to run in the folder of the results.
  *
  * make sees the names of results only, which need no escape. What is outside, the planner looks at itself: a result

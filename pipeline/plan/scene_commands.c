@@ -110,8 +110,10 @@ static int with_plan(enum scene_command command, const struct scene *scene, cons
     struct plan plan;
     if (asprintf(&beside, "%s/results", scene->folder) < 0)
         return error_memory("plan");
-    const struct plan_words about = {
-        words->out ? words->out : beside, words->method, words->start, programs, words->runner, words->allow_outside};
+    struct plan_words about = words->plan;
+    about.programs = programs;
+    if (!*about.out)
+        about.out = beside;
     int status = find_programs(programs) || plan_make(&plan, scene, &about) ? -1 : 0;
     if (!status) {
         status = run_plan(command, &plan, words->make);

@@ -2,6 +2,8 @@
 #ifndef PIPELINE_SCENE_COMMANDS_H
 #define PIPELINE_SCENE_COMMANDS_H
 
+#include "pipeline/plan/plan.h"
+
 enum scene_command {
     SCENE_CHECK,
     SCENE_PHOTOS,
@@ -17,13 +19,10 @@ extern const char *const SCENE_COMMANDS[];
 
 /* What may stand behind a command. */
 struct scene_words {
-    const char *scene;          /* its path */
-    const char *part;           /* SCENE_PART: whose */
-    const char *out;            /* folder of the results; NULL: `results` beside the scene */
-    const char *method, *start; /* as forces takes them; "": the scene's */
-    const char *runner;         /* SCENE_PLAN: a program that runs each command; "": none */
-    int make;                   /* SCENE_PLAN: as a makefile, else as lines of JSON */
-    int allow_outside;
+    const char *scene;      /* its path */
+    const char *part;       /* SCENE_PART: whose */
+    struct plan_words plan; /* out "": the folder `results` beside the scene; the programs are found here */
+    int make;               /* SCENE_PLAN: as a makefile, else as lines of JSON */
 };
 
 /* Does it, and prints to standard output what there is to say. -1 with an error. */

@@ -1,7 +1,4 @@
-#include <stdlib.h>
-
 #include "pipeline/command/cli.h"
-#include "pipeline/plan/plan.h"
 #include "pipeline/plan/scene_commands.h"
 
 /* Whose part: the stages, and the sections of simulate and render. */
@@ -46,13 +43,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     if (key == ARGP_KEY_INIT)
         state->child_inputs[0] = &arguments->cli;
     else if (key == METHOD)
-        words->method = text;
+        words->plan.method = text;
     else if (key == START)
-        words->start = text;
+        words->plan.start = text;
     else if (key == FORMAT)
         words->make = cli_choice(state, "--format", text, formats);
     else if (key == RUNNER)
-        words->runner = text;
+        words->plan.runner = text;
     else if (key == ARGP_KEY_ARG && state->arg_num == 0)
         arguments->command = cli_choice(state, "command", text, SCENE_COMMANDS);
     else if (key == ARGP_KEY_ARG && state->arg_num == 1)
@@ -73,11 +70,11 @@ int main(int argc, char **argv)
     const struct argp_child children[] = {CLI_CHILD, {0}};
     const struct argp parser = {option_list, parse, "COMMAND SCENE.json\npart SCENE.json STAGE", help, children,
                                 NULL,        NULL};
-    struct arguments arguments = {
-        .cli = CLI_DEFAULT, .command = -1, .words = {.method = "", .start = "", .runner = ""}};
+    struct arguments arguments = {.cli = CLI_DEFAULT, .command = -1, .words.plan = {"", "", "", "", "", 0}};
     arguments.cli.needs = 0;
     cli_parse(&parser, argc, argv, &arguments);
-    arguments.words.out = arguments.cli.output;
-    arguments.words.allow_outside = arguments.cli.allow_outside;
+    arguments.words.plan.allow_outside = arguments.cli.allow_outside;
+    if (arguments.cli.output)
+        arguments.words.plan.out = arguments.cli.output;
     return cli_finish(&arguments.cli, scene_run((enum scene_command)arguments.command, &arguments.words));
 }

@@ -9,7 +9,7 @@
 
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/plan_marks.h"
-#include "pipeline/plan/plan_text.h"
+#include "pipeline/plan/shell_word.h"
 #include "pipeline/speak/error.h"
 #include "tests/check.h"
 
@@ -217,7 +217,7 @@ static void test_quote(void **state)
         size_t size, room = 0;
         FILE *stream = open_memstream(&command, &size);
         fputs("printf '%s\\0' ", stream);
-        plan_quote(stream, words[k]);
+        shell_word(stream, words[k]);
         fclose(stream);
         assert_null(strchr(command, '\n'));
         write_text(FOLDER "/quoted", command);
@@ -233,11 +233,11 @@ static void test_quote(void **state)
 
 static int is_changed(const struct plan *plan, const char *name)
 {
-    struct plan_marks marks;
+    int parts[PLAN_STAGES];
     struct product product;
-    check_done(plan_marks_read(plan, &marks));
+    plan_changed_parts(plan, parts);
     find(plan, name, &product);
-    int changed = plan_is_changed(plan, &marks, &product);
+    int changed = plan_is_changed(plan, parts, &product);
     product_free(&product);
     return changed;
 }
