@@ -132,6 +132,7 @@ struct writer {
     const struct plan *plan;
     struct product *product;
     FILE *command, *needs;
+    long needs_some; /* how many */
     int failed;
 };
 
@@ -143,7 +144,7 @@ static void put(struct writer *w, const char *option, const char *text)
 
 static void need(struct writer *w, const char *name)
 {
-    fprintf(w->needs, "%s%s", ftell(w->needs) > 0 ? " " : "", name);
+    fprintf(w->needs, "%s%s", w->needs_some++ ? " " : "", name);
 }
 
 static void put_result(struct writer *w, const char *option, enum plan_kind kind, long photo)

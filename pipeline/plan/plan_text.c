@@ -40,11 +40,13 @@ int plan_print_make(const struct plan *plan, FILE *stream)
         struct product product;
         if (plan_product(plan, k, &product))
             return -1;
-        fprintf(stream, "stages: %s\n", product.of.name);
         print_rule(plan, parts, &product, stream);
         product_free(&product);
     }
-    fputs("stages:\n\t@:\n", stream);
+    fputs("stages:", stream); /* one line: make walks along what a target has at each further one */
+    for (size_t k = 0; k < plan->count; k++)
+        fprintf(stream, " %s", plan_name(plan, k).name);
+    fputs("\n\t@:\n", stream);
     return 0;
 }
 
