@@ -4,7 +4,9 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/packing/loads.h"
 
 static int run(const struct arguments *arguments)
@@ -69,8 +71,10 @@ static int run(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     struct arguments arguments = ARGUMENTS_NONE;
+    read_record_begin();
     cli_parse(&contacts_argp, argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
+    canvas_forget_fonts();
     return cli_finish(&arguments.cli, status);
 }

@@ -8,6 +8,7 @@
 #include "forces/add_series.h"
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 
 struct arguments {
@@ -234,6 +235,7 @@ int main(int argc, char **argv)
         NULL};
     struct arguments arguments = {
         .cli = CLI_DEFAULT, .tolerance = NAN, .iterations = NAN, .samples = NAN, .walk = NAN, .fix = -1};
+    read_record_begin();
     cli_parse(&parser, argc, argv, &arguments);
     int status = arguments.series ? run_series(&arguments) : run(&arguments);
     cli_inputs_free(&arguments.inputs);

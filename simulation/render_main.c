@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "simulation/render/render.h"
 #include "simulation/render/render_truth.h"
@@ -76,6 +77,7 @@ static const struct argp parser = {
 int main(int argc, char **argv)
 {
     struct options options = {.cli = CLI_DEFAULT};
+    read_record_begin();
     cli_parse(&parser, argc, argv, &options);
     return cli_finish(&options.cli, run(&options));
 }

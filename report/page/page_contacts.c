@@ -102,10 +102,10 @@ struct rose {
 
 static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
 
-static int draw_rose(cairo_t *cairo, const void *what)
+static int draw_rose(struct canvas *canvas, const void *what)
 {
     const struct rose *rose = what;
-    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
+    rose_draw(canvas, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
     return 0;
 }
 
