@@ -14,6 +14,8 @@
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/speak/error.h"
 
+/* make keeps some 10 kB per photo. Together, the names of all contacts are words of one command: at 19 bytes each,
+ * 10,000 of them are far below the 2 MB that Linux lets it have. */
 enum { MOST_PHOTOS = 100000, MOST_TOGETHER = 10000 };
 
 const char *const PLAN_STAGE[PLAN_STAGES] = {"findgrains", "tracker", "contacts", "forces", "report"};
@@ -60,6 +62,7 @@ static char *part_of(const struct plan *plan, enum plan_stage stage)
     return length < 0 ? NULL : whole;
 }
 
+/* The command line comes before the scene; a scene whose method is no text is left to forces, which refuses it. */
 static int is_together(const struct plan *plan)
 {
     const cJSON *forces = scene_section(plan->scene, "forces");
@@ -103,6 +106,7 @@ void plan_free(struct plan *plan)
 
 /* ---- names ---- */
 
+/* Four digits at least, so that names sort as photos do up to 9999. */
 static struct plan_name name_of(const struct plan *plan, enum plan_kind kind, long photo)
 {
     struct plan_name result = {kind, photo, ""};
@@ -136,6 +140,7 @@ struct writer {
     int failed;
 };
 
+/* A word of the command, behind an option where that is not "". */
 static void put(struct writer *w, const char *option, const char *text)
 {
     fprintf(w->command, " %s%s", option, *option ? " " : "");
@@ -147,6 +152,7 @@ static void need(struct writer *w, const char *name)
     fprintf(w->needs, "%s%s", w->needs_some++ ? " " : "", name);
 }
 
+/* Another result as a word: the product is made from it. */
 static void put_result(struct writer *w, const char *option, enum plan_kind kind, long photo)
 {
     struct plan_name other = name_of(w->plan, kind, photo);
@@ -237,6 +243,7 @@ static void put_word(struct writer *w, const char *word)
         put(w, "", word);
 }
 
+/* The runner where there is one, the stage's program, and the words of the row with what they stand for. */
 static void put_command(struct writer *w, const struct row *row)
 {
     char *path = NULL, word[24];
@@ -254,6 +261,8 @@ static void put_command(struct writer *w, const struct row *row)
         put_word(w, word);
 }
 
+/* Where forces are inferred together, a photo's file is made by the command of series.csv, the last one it writes. The
+ * lens and the loads are read as the scene says and stand in no command. */
 static void describe(struct writer *w)
 {
     const char *paths[2];

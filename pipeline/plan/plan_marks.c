@@ -1,3 +1,8 @@
+/* A result is trusted when its stage said that it is whole and nothing that it was made from is newer. Every program
+ * writes whole files or none; but one that was cut off after the renaming has not said its status (done, or flagged),
+ * which is why a result with a mark in .running is made again although it is whole.
+ *
+ * Nothing here follows a name into another folder: all names are the plan's own, relative to the open folder. */
 #include "pipeline/plan/plan_marks.h"
 
 #include <errno.h>
@@ -46,7 +51,8 @@ void plan_changed_parts(const struct plan *plan, int changed[PLAN_STAGES])
     }
 }
 
-/* Is the file in `folder` newer, or not there? Then the stage will make it again, or complain. */
+/* A path that is absolute is taken as it is, whatever the folder.
+ * Is the file in `folder` newer, or not there? Then the stage will make it again, or complain. */
 static int is_newer(int folder, const char *path, const struct stat *than)
 {
     struct stat info;
@@ -56,6 +62,7 @@ static int is_newer(int folder, const char *path, const struct stat *than)
     return a->tv_sec > b->tv_sec || (a->tv_sec == b->tv_sec && a->tv_nsec > b->tv_nsec);
 }
 
+/* Is any of the files gone that the run behind series.csv wrote before it? */
 static int lacks_forces(const struct plan *plan)
 {
     int lacking = 0;
@@ -84,6 +91,7 @@ int plan_is_changed(const struct plan *plan, const int parts[PLAN_STAGES], const
 
 /* ---- before a run ---- */
 
+/* The file of that name cannot be written or removed, as errno says. */
 static int fail_in(const struct plan *plan, const char *name)
 {
     return error_failed("%s/%s: %s: is the disk full, or the folder not yours?", plan->words.out, name,
@@ -98,6 +106,8 @@ static int remove_file(const struct plan *plan, const char *folder, const char *
     return unlinkat(plan->folder, path, 0) && errno != ENOENT ? fail_in(plan, path) : 0;
 }
 
+/* Of each result: what is not known to be whole, and what its last stage said when it failed. A series.csv speaks of
+ * all files at once: it falls with any of them, and with its method. */
 static int remove_remains(const struct plan *plan)
 {
     for (size_t k = 0; k < plan->count; k++) {
@@ -111,6 +121,7 @@ static int remove_remains(const struct plan *plan)
     return !plan->together || lacks_forces(plan) ? remove_file(plan, "", "series.csv") : 0;
 }
 
+/* new_file_begin() would follow a link to its target: the folder may be somebody else's, and the link lead to yours. */
 static int write_text(const struct plan *plan, const char *path, const char *text)
 {
     struct new_file file;

@@ -12,6 +12,7 @@
 enum { DONE, FLAGGED, FAILED, BEGUN, MISSING, OUTCOMES };
 static const char *const outcome_words[] = {"done", "flagged", "failed", "begun", "missing"};
 
+/* A failure comes first: an older file may still be there. A flag is believed only of a file that is there. */
 static int outcome_of(const struct plan *plan, const char *name)
 {
     return plan_holds(plan, ".failed/", name)    ? FAILED
@@ -68,6 +69,7 @@ static const char *cell(const unsigned char *words, size_t k)
     return words[k] == MISSING ? "-" : outcome_words[words[k]];
 }
 
+/* The order of the words is that of plan_name(): grains, tracks, contacts, series.csv, forces, pictures, page. */
 static void print_table(const struct plan *plan, const unsigned char *words, FILE *stream)
 {
     static const char line[] = "%-8s %-8s %-8s %-9s %-8s %s\n";

@@ -1,3 +1,7 @@
+/* GNU make has no way to write some names as targets or prerequisites (line breaks, wildcards, some of % : = in
+ * variables), and its rules for those that it has differ between targets, prerequisites and recipes. So results alone
+ * are targets, and whether a file outside is newer is asked here, as make would ask it; only commands hold other names,
+ * and in a recipe nothing but '$' means anything to make. */
 #include "pipeline/plan/plan_text.h"
 
 #include <stdlib.h>

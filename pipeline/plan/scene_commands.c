@@ -22,6 +22,7 @@ static int check_file(const struct scene *scene, const char *path)
     return 0;
 }
 
+/* The loads of all photos, looked at together. */
 static int check_loads(const struct scene *scene)
 {
     const struct scene_photos *photos = &scene->photos;
@@ -36,6 +37,8 @@ static int check_loads(const struct scene *scene)
     return status;
 }
 
+/* What can be known before any photo is read: a long run shall not end at its last photo for a file that is not there.
+ */
 static int check(const struct scene *scene)
 {
     const struct scene_photos *photos = &scene->photos;
@@ -102,6 +105,7 @@ static int find_programs(char folder[PATH_MAX])
     return 0;
 }
 
+/* What needs a plan; the folder of the results need not be there, but for SCENE_BEGIN. */
 static int run_plan(enum scene_command command, const struct plan *plan, int make)
 {
     switch (command) {
