@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+const char *const VERDICT_NAMES[] = {"", "balanced", "doubtful", "void", NULL};
+
 #define DOUBLE(member, units, text) COLUMN(struct contact_forces, member, COLUMN_DOUBLE, units, text)
 static const struct column force_columns[] = {
     DOUBLE(fn, "N", "normal force on j from i, compression positive"),
