@@ -8,6 +8,7 @@
 
 #include <cjson/cJSON.h>
 
+#include "pipeline/speak/version.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/state/state_hdf.h"
@@ -333,7 +334,7 @@ static int write_provenance(struct state_writer *writer, const struct provenance
     int failed = state_write_text(writer, "/", "schema", STATE_SCHEMA) ||
                  write_integer(writer, "schema_version", STATE_SCHEMA_VERSION) ||
                  state_write_text(writer, "/", "stage", provenance->stage) ||
-                 state_write_text(writer, "/", "program_version", FILM_VERSION) ||
+                 state_write_text(writer, "/", "program_version", film_version) ||
                  state_write_text(writer, "/", "parameters", provenance->parameters ? provenance->parameters : "{}") ||
                  state_write_text(writer, "/", "inputs", inputs) || write_integer(writer, "index", provenance->index) ||
                  state_write_numbers(writer, "/", "time_s", &provenance->time_s, 1);
