@@ -5,6 +5,7 @@
 #include "tests/unit/discs.h"
 
 #include "forces/infer_forces.h"
+#include "forces/network/evidence.h"
 #include "forces/questions/walk.h"
 #include "pipeline/packing/stress.h"
 
@@ -95,6 +96,31 @@ static void intervals_of_draws(void **state)
     packing_free(&packing);
 }
 
+/* What overlaps leave open is drawn towards the mean normal force, 1 in working units, with a standard deviation of
+ * three times that (docs/forces.md), and towards no tangential force. */
+static void forces_are_expected_at_their_mean(void **state)
+{
+    (void)state;
+    struct packing packing;
+    struct network network;
+    struct evidence evidence;
+    struct network_options network_options = {.wall_mass = 100};
+    struct force_options options = options_with(5e7, 0.5);
+    options.start = START_OVERLAP;
+    three_discs(&packing);
+    check_done(network_build(&packing, &options.law, &network_options, &network));
+    double f[4] = {2, 0.1, 2, -0.1};
+    check_done(evidence_build(&packing, &network, &options, f, &evidence));
+    for (int c = 0; c < 2; c++) {
+        check_near(evidence.prior[2 * c], 1, 0);
+        check_near(evidence.variance[2 * c], 9, 0);
+        check_near(evidence.prior[2 * c + 1], 0, 0);
+    }
+    evidence_free(&evidence);
+    network_free(&network);
+    packing_free(&packing);
+}
+
 /* Overlaps at a stiffness that is three times too large, scaled to the loads of the walls: 30 N at every contact of the
  * lattice, as without any balance being sought. */
 static void overlaps_are_scaled_to_the_loads(void **state)
@@ -141,6 +167,7 @@ int main(void)
         cmocka_unit_test(grains_without_inertia_are_solid),
         cmocka_unit_test(a_walk_of_one_jump),
         cmocka_unit_test(intervals_of_draws),
+        cmocka_unit_test(forces_are_expected_at_their_mean),
         cmocka_unit_test(overlaps_are_scaled_to_the_loads),
         cmocka_unit_test(stress_of_one_heavy_grain),
     };
