@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "forces/questions/fclib.h"
-#include "forces/network/network.h"
+#include "forces/network/network_loads.h"
 #include "forces/questions/range.h"
 #include "forces/questions/buckling.h"
 #include "forces/questions/walk.h"
@@ -13,10 +13,10 @@
 #include "pipeline/packing/stress.h"
 
 /* A new place for the forces of this method: an old result of the same name gives way. */
-static struct forces *make_room(struct packing *packing, enum force_method method)
+static struct forces *make_room(struct packing *packing, const char *method)
 {
     for (size_t k = 0; k < packing->force_count; k++)
-        if (!strcmp(packing->forces[k].method, FORCE_METHODS[method])) {
+        if (!strcmp(packing->forces[k].method, method)) {
             forces_free(&packing->forces[k]);
             return &packing->forces[k];
         }
@@ -78,14 +78,14 @@ static int infer_all(const struct force_request *request, const struct force_opt
             forces_free(&inferred);
             return error_context("%s", request->input);
         }
-        if (!(room = make_room(packing, method))) {
+        if (!(room = make_room(packing, inferred.method))) {
             forces_free(&inferred);
             return -1;
         }
         *room = inferred;
         tell(room);
         size_t out = forces_unbalanced_grains(packing, room, 0.01);
-        if (method != METHOD_CEM && out > *unbalanced)
+        if (method_row(method)->balances && out > *unbalanced)
             *unbalanced = out;
     }
     return 0;

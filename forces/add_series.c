@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "forces/infer_forces.h"
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"

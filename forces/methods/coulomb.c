@@ -1,5 +1,7 @@
 /* Projections onto the Coulomb cone fn >= 0, |ft| <= mu fn. */
-#include "forces/methods/method.h"
+#include "forces/methods/coulomb.h"
+
+#include <math.h>
 
 static void vertical(double mu, double *fn, double *ft)
 {

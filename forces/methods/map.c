@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/speak/error.h"
-
 /* When the network as it is cannot be balanced: the unknown load on a grain has Student's distribution of this scale
  * and degree (Cauchy), so that few grains miss much and the others nothing. */
 #define SOFT_BALANCE 0.01 /* <fn>: what one calls balanced in the experiment (thesis Fig. 4.41) */
@@ -143,8 +141,8 @@ int map_rounds(struct map *map, struct outcome *outcome)
     return status < 0 || (status > 0 && solve_soft(map, outcome)) ? -1 : 0;
 }
 
-int map_solve(const struct network *network, const struct force_options *options, struct evidence *evidence, double *f,
-              struct outcome *outcome)
+int map_solve(const struct network *network, const struct force_options *options, const struct evidence *evidence,
+              double *f, struct outcome *outcome)
 {
     struct map map;
     int status = map_begin(network, options, evidence, &map) || map_rounds(&map, outcome) ? -1 : 0;

@@ -1,13 +1,13 @@
 /* Quasi-static method (thesis 2.1.3): the forces are projected in turn onto equilibrium (a linear solve with the
  * stiffness matrix K = A D A', factorised once) and onto the Coulomb cones (contact by contact), from any start.
  * Working stiffness: 1 along normals, kt/kn along tangents. */
-#include "forces/methods/method.h"
-
 #include <stdlib.h>
 #include <string.h>
 
 #include "forces/algebra/anderson.h"
 #include "forces/algebra/sparse.h"
+#include "forces/methods/coulomb.h"
+#include "forces/methods/method.h"
 #include "pipeline/speak/error.h"
 
 enum { QSM_ITERATIONS = 4000, FAILURES = 20, PAUSE = 25 };
@@ -46,13 +46,7 @@ static void fill_stiffness(struct qsm *qsm)
 static int build_matrix(struct qsm *qsm)
 {
     const struct network *network = qsm->network;
-    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
-    if (!place)
-        return error_memory("stiffness matrix");
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
-    qsm->matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
-    free(place);
+    qsm->matrix = network_matrix(network);
     if (!qsm->matrix)
         return -1;
     sparse_clear(qsm->matrix);
@@ -158,10 +152,24 @@ static int run(struct qsm *qsm, double *f, struct outcome *outcome)
     return status;
 }
 
-int qsm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
+static int solve(const struct problem *problem, double *f, struct outcome *outcome)
 {
     struct qsm qsm;
-    int status = qsm_begin(network, options, f, &qsm) || run(&qsm, f, outcome) ? -1 : 0;
+    int status = qsm_begin(problem->network, problem->options, f, &qsm) || run(&qsm, f, outcome) ? -1 : 0;
     qsm_free(&qsm);
     return status;
 }
+
+const struct method QSM_METHOD = {.name = "qsm",
+                                  .says = "projections onto equilibrium and friction",
+                                  .needs = NEEDS_STIFFNESS,
+                                  .starts = 1,
+                                  .balances = 1,
+                                  .walks = 1,
+                                  .ranges = 1,
+                                  .candidates = CANDIDATES_IF_ASKED, /* one contact too many costs next to nothing, it
+                                                                        starts without force; but the thesis keeps to
+                                                                        the decided ones */
+                                  .margin = METHOD_MARGIN,
+                                  .doubt = 0.01,
+                                  .solve = solve};

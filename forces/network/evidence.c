@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/arena.h"
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
@@ -16,30 +17,33 @@
 
 void evidence_free(struct evidence *evidence)
 {
-    free(evidence->prior), free(evidence->variance), free(evidence->measured), free(evidence->slack);
-    free(evidence->place), free(evidence->share);
-    free(evidence->soft), free(evidence->probability);
+    free(evidence->store), free(evidence->place);
     memset(evidence, 0, sizeof *evidence);
+}
+
+static size_t lay_out(struct evidence *evidence, double *block)
+{
+    struct arena arena = {.block = block};
+    size_t n = evidence->count;
+    evidence->prior = arena_take(&arena, 2 * n), evidence->variance = arena_take(&arena, 2 * n);
+    evidence->measured = arena_take(&arena, n), evidence->slack = arena_take(&arena, n);
+    evidence->probability = arena_take(&arena, n);
+    evidence->share = arena_rows(&arena, n, EVIDENCE_WIDTH);
+    evidence->soft = arena_take(&arena, evidence->dofs);
+    return arena.used;
 }
 
 static int evidence_alloc(size_t count, size_t dofs, struct evidence *evidence)
 {
-    memset(evidence, 0, sizeof *evidence);
-    evidence->count = count;
-    evidence->dofs = dofs;
-    evidence->prior = calloc(2 * count + 1, sizeof(double));
-    evidence->variance = calloc(2 * count + 1, sizeof(double));
-    evidence->measured = calloc(count + 1, sizeof(double));
-    evidence->slack = calloc(count + 1, sizeof(double));
+    *evidence = (struct evidence){.count = count, .dofs = dofs};
+    evidence->store = calloc(lay_out(evidence, NULL) + 1, sizeof(double));
     evidence->place = calloc(count + 1, sizeof *evidence->place);
-    evidence->share = calloc(count + 1, sizeof *evidence->share);
-    evidence->soft = calloc(dofs + 1, sizeof(double));
-    evidence->probability = calloc(count + 1, sizeof(double));
-    if (evidence->prior && evidence->variance && evidence->measured && evidence->slack && evidence->place &&
-        evidence->share && evidence->soft && evidence->probability)
-        return 0;
-    evidence_free(evidence);
-    return error_memory("overlap errors");
+    if (!evidence->store || !evidence->place) {
+        evidence_free(evidence);
+        return error_memory("overlap errors");
+    }
+    lay_out(evidence, evidence->store);
+    return 0;
 }
 
 int evidence_blank(const struct network *network, struct evidence *evidence)
@@ -63,14 +67,8 @@ int evidence_copy(const struct evidence *from, struct evidence *to)
     to->errors = from->errors;
     to->friction = from->friction;
     to->barrier = from->barrier;
-    memcpy(to->prior, from->prior, 2 * n * sizeof(double));
-    memcpy(to->variance, from->variance, 2 * n * sizeof(double));
-    memcpy(to->measured, from->measured, n * sizeof(double));
-    memcpy(to->slack, from->slack, n * sizeof(double));
+    memcpy(to->store, from->store, lay_out(&(struct evidence){.count = n, .dofs = from->dofs}, NULL) * sizeof(double));
     memcpy(to->place, from->place, n * sizeof *to->place);
-    memcpy(to->share, from->share, n * sizeof *to->share);
-    memcpy(to->soft, from->soft, from->dofs * sizeof(double));
-    memcpy(to->probability, from->probability, n * sizeof(double));
     return 0;
 }
 

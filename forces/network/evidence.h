@@ -7,12 +7,14 @@
 #ifndef FORCES_EVIDENCE_H
 #define FORCES_EVIDENCE_H
 
-#include "forces/methods/method.h"
+#include "forces/network/force_options.h"
+#include "forces/network/equations.h"
 
 enum { EVIDENCE_WIDTH = 6 }; /* x, y, radius of two grains, or of a grain and the offset of a wall */
 
 struct evidence {
     size_t count, dofs;
+    double *store;                   /* all arrays of doubles below */
     double *prior, *variance;        /* 2 per contact */
     double *measured;                /* m; NaN: none */
     double *slack;                   /* variance of r */
@@ -33,9 +35,5 @@ int evidence_build(const struct packing *packing, const struct network *network,
 int evidence_blank(const struct network *network, struct evidence *evidence);
 int evidence_copy(const struct evidence *from, struct evidence *to);
 void evidence_free(struct evidence *evidence); /* accepts a zeroed struct */
-
-/* The most likely admissible forces; f receives them. */
-int map_solve(const struct network *network, const struct force_options *options, struct evidence *evidence, double *f,
-              struct outcome *outcome);
 
 #endif

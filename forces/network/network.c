@@ -208,11 +208,8 @@ void network_free(struct network *network)
 void network_unbalance(const struct network *network, const double *f, double *out)
 {
     memcpy(out, network->load, network->dofs * sizeof *out);
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            out[contact->dof[e]] += contact->n[e] * f[2 * c] + contact->t[e] * f[2 * c + 1];
-    }
+    for (size_t c = 0; c < network->count; c++)
+        contact_push(&network->contact[c], f[2 * c], f[2 * c + 1], out);
 }
 
 void network_motion(const struct network *network, const double *motion, double *u)
@@ -249,4 +246,18 @@ double network_judge(const struct network *network, const double *f, double *wor
         known &= !isnan(work[d]);
     }
     return known ? largest / network_mean_force(network, f) : NAN;
+}
+
+struct sparse *network_matrix(const struct network *network)
+{
+    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
+    if (!place) {
+        error_set(EXIT_FAILED, "out of memory: equilibrium equations");
+        return NULL;
+    }
+    for (size_t c = 0; c < network->count; c++)
+        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
+    struct sparse *matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
+    free(place);
+    return matrix;
 }

@@ -209,22 +209,16 @@ static int smallest(struct stiffness *k, int slips, double *value, double *motio
 static int begin(struct stiffness *k)
 {
     const struct network *network = k->network;
-    int *place = malloc((network->count * W + 1) * sizeof *place);
     k->block = calloc(network->count + 1, sizeof *k->block);
     k->diagonal = calloc(network->dofs + 1, sizeof *k->diagonal);
     k->turns = calloc(network->dofs + 1, 1);
-    if (!place || !k->block || !k->diagonal || !k->turns) {
-        free(place);
+    if (!k->block || !k->diagonal || !k->turns)
         return error_memory("stability");
-    }
     for (size_t g = 0; g < network->grains; g++)
         if (network->grain_dof[g] >= 0)
             k->turns[network->grain_dof[g] + 2] = 1;
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * W, network->contact[c].dof, sizeof network->contact[c].dof);
     k->unit = mean_stiffness(k);
-    k->matrix = sparse_create(network->dofs, network->count, W, place);
-    free(place);
+    k->matrix = network_matrix(network);
     return k->matrix ? 0 : -1;
 }
 

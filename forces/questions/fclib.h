@@ -3,7 +3,7 @@
 #ifndef FORCES_FCLIB_H
 #define FORCES_FCLIB_H
 
-#include "forces/infer_forces.h"
+#include "forces/network/force_options.h"
 #include "forces/network/network.h"
 
 /* W = A' M^-1 A in compressed columns (sorted rows), q = A' M^-1 b; rows 2 c (normal) and 2 c + 1 (tangential) of

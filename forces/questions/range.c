@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/network/evidence.h"
+#include "forces/methods/map.h"
 #include "pipeline/speak/error.h"
 
 #define RANGE_FIRST 30.0 /* <fn> */
@@ -147,8 +147,13 @@ int range_forces(const struct packing *packing, const struct force_options *opti
                  struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = method_network(options, method);
+    const struct method *row = method_row(method);
     size_t count = packing->contacts.count;
+    if (!row)
+        return -1;
+    if (!row->ranges)
+        return error_input("method %s has no ranges", row->name);
+    struct network_options network_options = method_network(options, row);
     unsigned char *wanted = calloc(count + 1, 1);
     if (!wanted)
         return error_memory("ranges");

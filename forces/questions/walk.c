@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/network/evidence.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
@@ -11,25 +10,11 @@ struct walk {
     const struct packing *packing;
     const struct network *network;
     struct force_options options;
-    enum force_method method;
+    const struct method *method;
     double *f, *trial; /* the present state and the next one, (fn, ft) per contact */
     double *states;    /* one after the other: fn of all contacts, then ft of all contacts */
     size_t count;      /* of states */
 };
-
-static int lead_back(struct walk *walk, struct outcome *outcome)
-{
-    struct evidence evidence;
-    if (walk->method == METHOD_CDM)
-        return cdm_solve(walk->network, &walk->options, walk->trial, outcome);
-    if (walk->method == METHOD_QSM)
-        return qsm_solve(walk->network, &walk->options, walk->trial, outcome);
-    if (evidence_build(walk->packing, walk->network, &walk->options, walk->trial, &evidence))
-        return -1;
-    int status = map_solve(walk->network, &walk->options, &evidence, walk->trial, outcome);
-    evidence_free(&evidence);
-    return status;
-}
 
 static void keep(struct walk *walk)
 {
@@ -43,10 +28,10 @@ static int jump(struct walk *walk, int k)
 {
     size_t unknowns = 2 * walk->network->count;
     double size = WALK_JUMP * network_mean_force(walk->network, walk->f);
-    struct outcome outcome;
+    struct outcome outcome = {0};
     for (size_t u = 0; u < unknowns; u++)
         walk->trial[u] = walk->f[u] + size * (2 * random_uniform(random_bits(0x3A1Cu, (uint64_t)k), u) - 1);
-    if (lead_back(walk, &outcome))
+    if (walk->method->solve(&(struct problem){walk->packing, walk->network, &walk->options}, walk->trial, &outcome))
         return -1;
     if (!outcome.converged)
         return 0;
@@ -107,15 +92,6 @@ static void summarise(const struct walk *walk, double mean, double *values, stru
         }
 }
 
-static int add_columns(struct contact_forces *out)
-{
-    static const char *const names[] = {"s_fn", "s_ft", "fn_min", "fn_max"};
-    for (size_t k = 0; k < 4; k++)
-        if (table_add(&CONTACT_FORCES, out, names[k]))
-            return -1;
-    return 0;
-}
-
 static int run(struct walk *walk, struct forces *forces)
 {
     const struct network *network = walk->network;
@@ -133,7 +109,7 @@ static int run(struct walk *walk, struct forces *forces)
     for (int k = 0; !status && k < walk->options.walk; k++)
         status = jump(walk, k);
     if (!status)
-        status = add_columns(&forces->contact);
+        status = result_add_spread(&forces->contact);
     if (!status && walk->count >= 2)
         summarise(walk, mean, values, forces);
     free(values);
@@ -144,12 +120,16 @@ int walk_forces(const struct packing *packing, const struct force_options *optio
                 struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = method_network(options, method);
-    if (method == METHOD_CEM)
-        return error_input("a walk needs a method that seeks equilibrium: cdm, qsm or map");
+    const struct method *row = method_row(method);
+    if (!row)
+        return -1;
+    if (!row->walks)
+        return error_input("method %s cannot walk: a walk needs one that leads back to equilibrium, such as map",
+                           row->name);
+    struct network_options network_options = method_network(options, row);
     if (network_build(packing, &options->law, &network_options, &network))
         return -1;
-    struct walk walk = {.packing = packing, .network = &network, .options = *options, .method = method};
+    struct walk walk = {.packing = packing, .network = &network, .options = *options, .method = row};
     walk.options.start = START_PREVIOUS; /* the jump is all that map knows */
     walk.options.samples = 0;
     walk.f = calloc(2 * network.count + 1, sizeof *walk.f);

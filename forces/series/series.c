@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/infer_forces.h"
 #include "forces/series/series_loads.h"
 #include "forces/series/series_result.h"
 #include "forces/series/series_spread.h"
@@ -17,6 +18,12 @@
 enum { ROUNDS = 4, LARGE = 4000 /* contacts of all states */ };
 
 /* ---- the series in memory ---- */
+
+void series_summary_free(struct series_summary *summary)
+{
+    free(summary->photo);
+    summary->photo = NULL;
+}
 
 static void series_free(struct series *series)
 {

@@ -1,5 +1,5 @@
-/* The linear algebra of one Newton step of series: every state is factorised by itself (CHOLMOD), the shared unknowns
- * are solved by preconditioned conjugate gradients (Hestenes and Stiefel 1952) on their Schur complement
+/* The linear algebra of one Newton step of series: every state is factorised by itself (sparse.h), the shared
+ * unknowns are solved by preconditioned conjugate gradients (Hestenes and Stiefel 1952) on their Schur complement
  *
  *     S = I + sum_s B' (D + G' A' K^-1 A G) B,   K = A (C - C D C) A' + softness,   G = C D,
  *
@@ -151,12 +151,10 @@ static int state_product(const struct series *series, struct series_state *state
     double(*u)[2] = state->derror, (*w)[2] = state->drelative;
     memset(state->work, 0, network->dofs * sizeof(double));
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         double(*take)[2] = state->take[c];
         series_error_at(series, state, c, v, u[c]);
         double n = take[0][0] * u[c][0] + take[0][1] * u[c][1], t = take[1][0] * u[c][0] + take[1][1] * u[c][1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] += contact->n[e] * n + contact->t[e] * t;
+        contact_push(&network->contact[c], n, t, state->work);
     }
     if (series_state_solve(state))
         return -1;

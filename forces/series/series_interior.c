@@ -5,14 +5,14 @@
  *     with     f + B q + r = m on the measured lines,  G f >= 0 (the cone: mu fn - ft, mu fn + ft; fn without
  * friction),
  *
- * y, l, push the multipliers of A f + b + softness y = 0, of the lines, and of the edges of the cones. An open contact
+ * y, l, press the multipliers of A f + b + softness y = 0, of the lines, and of the edges of the cones. An open contact
  * has no part in equilibrium and the half line f <= 0, which stands for its gap. Every step solves one linear system in
  * all unknowns (primal-dual, Wright 1997): contacts are eliminated one by one, states by their factors, and q by
  * conjugate gradients; so no state is ever solved within another iteration. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/cone.h"
 #include "forces/series/series_state.h"
 #include "pipeline/speak/error.h"
 
@@ -44,7 +44,7 @@ static double friction(const struct series_state *state, size_t c)
 
 static int sides(const struct series_state *state, size_t c)
 {
-    return friction(state, c) > 0 ? 2 : 1;
+    return cone_sides(friction(state, c));
 }
 
 /* V and f0. */
@@ -56,27 +56,25 @@ void series_belief(const struct series_state *state, size_t c, double v[2], doub
     *centre = state->open[c] ? 0 : state->mean;
 }
 
-/* G f. */
+/* G f; the one side of an open contact is f <= 0. */
 static void edges(const struct series_state *state, size_t c, const double f[2], double out[2])
 {
-    double mu = friction(state, c);
-    out[0] = mu > 0 ? mu * f[0] - f[1] : state->open[c] ? -f[0] : f[0];
-    out[1] = mu > 0 ? mu * f[0] + f[1] : 1;
+    cone_side(friction(state, c), f, out);
+    out[0] = state->open[c] ? -out[0] : out[0];
 }
 
 /* G' a. */
 static void edges_transposed(const struct series_state *state, size_t c, const double a[2], double out[2])
 {
-    double mu = friction(state, c);
-    out[0] = mu > 0 ? mu * (a[0] + a[1]) : state->open[c] ? -a[0] : a[0];
-    out[1] = mu > 0 ? a[1] - a[0] : 0;
+    cone_transposed(friction(state, c), a, out);
+    out[0] = state->open[c] ? -out[0] : out[0];
 }
 
-/* C = (1 / V + G' diag(push / side) G)^-1. */
+/* C = (1 / V + G' diag(press / side) G)^-1. */
 static void compliance(const struct series_state *state, size_t c, double out[3])
 {
     double mu = friction(state, c), v[2], centre;
-    double p = state->push[c][0] / state->side[c][0], m = state->push[c][1] / state->side[c][1];
+    double p = state->press[c][0] / state->side[c][0], m = state->press[c][1] / state->side[c][1];
     series_belief(state, c, v, &centre);
     if (mu > 0) {
         double nn = 1 / v[0] + mu * mu * (p + m), nt = mu * (m - p), tt = 1 / v[1] + p + m;
@@ -93,13 +91,13 @@ static void start_contact(struct series_state *state, size_t c, double gap)
     double mu = friction(state, c);
     state->f[c][0] = state->open[c] ? -OPEN_MEAN : state->mean, state->f[c][1] = 0;
     edges(state, c, state->f[c], state->side[c]);
-    state->push[c][0] = gap / state->side[c][0], state->push[c][1] = mu > 0 ? gap / state->side[c][1] : 0;
+    state->press[c][0] = gap / state->side[c][0], state->press[c][1] = mu > 0 ? gap / state->side[c][1] : 0;
 }
 
-/* Back into the inside from where the last stage ended: every product side times push is at least `gap`. */
+/* Back into the inside from where the last stage ended: every product side times press is at least `gap`. */
 static void restart_contact(struct series_state *state, size_t c, double gap)
 {
-    double mu = friction(state, c), *s = state->side[c], *p = state->push[c];
+    double mu = friction(state, c), *s = state->side[c], *p = state->press[c];
     if (state->changed[c]) {
         double overlap = state->measured[c][NORMAL] - state->error[c][NORMAL];
         state->f[c][0] = state->open[c] ? fmin(overlap, -0.03) : fmax(overlap, 0.03 * state->mean), state->f[c][1] = 0;
@@ -112,8 +110,8 @@ static void restart_contact(struct series_state *state, size_t c, double gap)
         s[k] = fmax(s[k], fmin(gap / p[k], sqrt(gap) * state->mean));
         p[k] = fmax(p[k], gap / s[k]);
     }
-    state->f[c][0] = mu > 0 ? (s[0] + s[1]) / (2 * mu) : state->open[c] ? -s[0] : s[0];
-    state->f[c][1] = mu > 0 ? (s[1] - s[0]) / 2 : 0;
+    cone_force(mu, s, state->f[c]);
+    state->f[c][0] = state->open[c] ? -state->f[c][0] : state->f[c][0];
 }
 
 /* ---- the equations ---- */
@@ -142,7 +140,7 @@ static int gather_multipliers(const struct series *series, struct series_state *
     return 0;
 }
 
-/* What each equation leaves: gy, gl, and in `pull` that of the forces' own, W (f - f0) - A' y - l - G' push. */
+/* What each equation leaves: gy, gl, and in `pull` that of the forces' own, W (f - f0) - A' y - l - G' press. */
 static int state_residuals(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
@@ -151,11 +149,10 @@ static int state_residuals(const struct series *series, struct series_state *sta
     for (size_t d = 0; d < network->dofs; d++)
         state->gy[d] = network->load[d] + state->soft[d] * state->y[d];
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         double v[2], centre, edge[2];
         series_error_at(series, state, c, series->q, state->error[c]);
         series_belief(state, c, v, &centre);
-        edges_transposed(state, c, state->push[c], edge);
+        edges_transposed(state, c, state->press[c], edge);
         for (int k = 0; k < 2; k++) {
             int there = k == 0 || friction(state, c) > 0;
             state->gl[c][k] =
@@ -167,10 +164,10 @@ static int state_residuals(const struct series *series, struct series_state *sta
                                              (state->open[c] ? 0 : state->relative[c][k]);
             worst = fmax(worst, fabs(state->gl[c][k]));
         }
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0 && !state->open[c]; e++)
-            state->gy[contact->dof[e]] += contact->n[e] * state->f[c][0] + contact->t[e] * state->f[c][1];
+        if (!state->open[c])
+            contact_push(&network->contact[c], state->f[c][0], state->f[c][1], state->gy);
         for (int k = 0; k < sides(state, c); k++)
-            gap += state->side[c][k] * state->push[c][k] / sides(state, c);
+            gap += state->side[c][k] * state->press[c][k] / sides(state, c);
     }
     for (size_t d = 0; d < network->dofs; d++)
         worst = fmax(worst, fabs(state->gy[d]) / state->mean);
@@ -202,17 +199,16 @@ static int residuals(struct series *series)
 
 /* ---- a step ---- */
 
-/* Aim at side times push = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
+/* Aim at side times press = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
  * equations. */
 static void prepare(struct series_state *state, double aim)
 {
     const struct network *network = &state->network;
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         const double *curve = state->curve[c];
         double towards[2] = {0, 0}, edge[2];
         for (int k = 0; k < sides(state, c) && aim >= 0; k++)
-            towards[k] = (aim - state->side[c][k] * state->push[c][k]) / state->side[c][k];
+            towards[k] = (aim - state->side[c][k] * state->press[c][k]) / state->side[c][k];
         edges_transposed(state, c, towards, edge);
         double p[2] = {edge[0] - state->pull[c][0], edge[1] - state->pull[c][1]};
         double moved[2] = {curve[0] * p[0] + curve[1] * p[1], curve[1] * p[0] + curve[2] * p[1]};
@@ -220,8 +216,8 @@ static void prepare(struct series_state *state, double aim)
             state->pull[c][k] = p[k];
             state->gl[c][k] += isnan(state->measured[c][k]) ? 0 : moved[k];
         }
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0 && !state->open[c]; e++)
-            state->gy[contact->dof[e]] += contact->n[e] * moved[0] + contact->t[e] * moved[1];
+        if (!state->open[c])
+            contact_push(&network->contact[c], moved[0], moved[1], state->gy);
     }
 }
 
@@ -231,11 +227,9 @@ static int state_right(const struct series *series, struct series_state *state)
     const struct network *network = &state->network;
     memcpy(state->work, state->gy, network->dofs * sizeof(double));
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         double(*take)[2] = state->take[c], *g = state->gl[c];
         double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] -= contact->n[e] * n + contact->t[e] * t;
+        contact_push(&network->contact[c], -n, -t, state->work);
     }
     if (series_state_solve(state))
         return -1;
@@ -256,13 +250,11 @@ static int state_step(const struct series *series, struct series_state *state)
     for (size_t d = 0; d < network->dofs; d++)
         state->work[d] = -state->gy[d];
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         double(*take)[2] = state->take[c], *g = state->dl[c];
         series_error_at(series, state, c, series->dq, g);
         g[0] += state->gl[c][0], g[1] += state->gl[c][1];
         double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] += contact->n[e] * n + contact->t[e] * t;
+        contact_push(&network->contact[c], n, t, state->work);
     }
     if (series_state_solve(state))
         return -1;
@@ -290,11 +282,10 @@ static double reach(struct series_state *state, double aim)
         double ds[2];
         edges(state, c, state->df[c], ds);
         for (int k = 0; k < sides(state, c); k++) {
-            double s = state->side[c][k], p = state->push[c][k], dp = (aim - s * p - p * ds[k]) / s;
-            state->dpush[c][k] = dp;
-            length = fmin(length, ds[k] < 0 ? -s / ds[k] : length);
-            length = fmin(length, dp < 0 ? -p / dp : length);
+            double s = state->side[c][k], p = state->press[c][k];
+            state->dpress[c][k] = (aim - s * p - p * ds[k]) / s;
         }
+        length = cone_reach(friction(state, c), state->side[c], ds, state->press[c], state->dpress[c], length);
     }
     return length;
 }
@@ -312,7 +303,7 @@ static void move(struct series_state *state, double length)
         }
         for (int k = 0; k < sides(state, c); k++) {
             state->side[c][k] += length * ds[k];
-            state->push[c][k] += length * state->dpush[c][k];
+            state->press[c][k] += length * state->dpress[c][k];
         }
     }
 }

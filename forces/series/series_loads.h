@@ -3,7 +3,7 @@
 #ifndef FORCES_SERIES_LOADS_H
 #define FORCES_SERIES_LOADS_H
 
-#include "forces/infer_forces.h"
+#include "forces/network/force_options.h"
 
 struct series_loads {
     double force;            /* N: <fn> of the most loaded state */

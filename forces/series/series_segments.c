@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/methods/known_forces.h"
 #include "forces/series/series_status.h"
 #include "pipeline/speak/error.h"
 

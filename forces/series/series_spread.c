@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/network/network_result.h"
 #include "forces/series/series_spread.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
@@ -87,19 +88,16 @@ static void collect(const struct series *series, const struct series_state *stat
 static int store(const struct series *series, const struct series_state *state, const double (*sums)[2], int draws,
                  struct contact_forces *out)
 {
-    static const char *const names[] = {"s_fn", "s_ft", "fn_min", "fn_max"};
-    for (int k = 0; k < 4; k++)
-        if (table_add(&CONTACT_FORCES, out, names[k]))
-            return -1;
-    for (size_t c = 0; c < state->network.count; c++) {
-        size_t row = state->network.contact[c].row;
-        double fn = out->fn[row] / series->force, least = LEAST_SPREAD * state->mean;
-        double s_fn = hypot(least, sqrt(sums[c][0] / draws)), s_ft = hypot(least / 2, sqrt(sums[c][1] / draws));
-        out->s_fn[row] = s_fn * series->force, out->s_ft[row] = s_ft * series->force;
-        out->fn_min[row] = fmax(0, fn - 1.645 * s_fn) * series->force;
-        out->fn_max[row] = (fn + 1.645 * s_fn) * series->force;
-    }
-    return 0;
+    struct spread spread;
+    int status = spread_alloc(state->network.count, &spread);
+    double least = LEAST_SPREAD * state->mean;
+    for (size_t c = 0; c < state->network.count && !status; c++)
+        spread_set(&spread, c, out->fn[state->network.contact[c].row] / series->force,
+                   hypot(least, sqrt(sums[c][0] / draws)), hypot(least / 2, sqrt(sums[c][1] / draws)));
+    if (!status)
+        status = result_store_spread(&state->network, &spread, out);
+    spread_free(&spread);
+    return status;
 }
 
 static int draw_forces(struct series *series, int draws, struct forces *forces)

@@ -1,0 +1,42 @@
+/* map as a row: what the packing says goes in as evidence, the most likely admissible forces come out. */
+#include "forces/methods/map.h"
+#include "forces/methods/map_samples.h"
+
+static int evidence_of(const struct problem *problem, const double *f, struct evidence *evidence)
+{
+    return evidence_build(problem->packing, problem->network, problem->options, f, evidence);
+}
+
+static int solve(const struct problem *problem, double *f, struct outcome *outcome)
+{
+    struct evidence evidence;
+    if (evidence_of(problem, f, &evidence))
+        return -1;
+    int status = map_solve(problem->network, problem->options, &evidence, f, outcome);
+    evidence_free(&evidence);
+    return status;
+}
+
+static int sample(const struct problem *problem, const double *f, struct spread *spread)
+{
+    struct evidence evidence;
+    if (evidence_of(problem, f, &evidence))
+        return -1;
+    int status = map_sample(problem->network, problem->options, &evidence, spread);
+    evidence_free(&evidence);
+    return status;
+}
+
+const struct method MAP_METHOD = {.name = "map",
+                                  .says = "the most likely admissible forces; the one to use",
+                                  .needs = NEEDS_STIFFNESS,
+                                  .starts = 1,
+                                  .balances = 1,
+                                  .walks = 1,
+                                  .ranges = 1,
+                                  .candidates = CANDIDATES_ALWAYS,
+                                  .margin = 0.01, /* its forces are means over what is possible, which lie inside; no
+                                                     contact law is better known: LEAST_SLACK of evidence.c */
+                                  .doubt = 0,     /* it does not stop near equilibrium */
+                                  .solve = solve,
+                                  .sample = sample};

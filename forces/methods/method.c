@@ -1,0 +1,59 @@
+#include "forces/methods/method.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/speak/error.h"
+
+/* The table. */
+static const struct method *rows[METHOD_COUNT + METHODS_ADDED_MOST] = {
+    [METHOD_CEM] = &CEM_METHOD, [METHOD_CDM] = &CDM_METHOD, [METHOD_QSM] = &QSM_METHOD, [METHOD_MAP] = &MAP_METHOD};
+static int count = METHOD_COUNT;
+
+const struct method *method_row(enum force_method method)
+{
+    if ((int)method >= 0 && (int)method < count)
+        return rows[method];
+    error_set(EXIT_INPUT, "there is no force method of number %d: there are %d", (int)method, count);
+    return NULL;
+}
+
+int method_find(const char *name, size_t length)
+{
+    for (int k = 0; k < count; k++)
+        if (strlen(rows[k]->name) == length && !strncmp(rows[k]->name, name, length))
+            return k;
+    return -1;
+}
+
+char *method_names(void)
+{
+    size_t room = 1;
+    for (int k = 0; k < count; k++)
+        room += strlen(rows[k]->name) + 1;
+    char *text = calloc(room, 1);
+    for (int k = 0; text && k < count; k++) {
+        strcat(text, k > 0 ? "," : "");
+        strcat(text, rows[k]->name);
+    }
+    if (!text)
+        error_set(EXIT_FAILED, "out of memory: names of methods");
+    return text;
+}
+
+int method_add(const struct method *row)
+{
+    if (count == METHOD_COUNT + METHODS_ADDED_MOST)
+        return error_input("method %s: no more than %d methods can be added", row->name, METHODS_ADDED_MOST);
+    if (method_find(row->name, strlen(row->name)) >= 0)
+        return error_input("method %s: there is one of that name already", row->name);
+    rows[count] = row;
+    return count++;
+}
+
+struct network_options method_network(const struct force_options *options, const struct method *method)
+{
+    int asked = method->candidates == CANDIDATES_IF_ASKED && options->candidates;
+    return (struct network_options){.candidates = asked || method->candidates == CANDIDATES_ALWAYS,
+                                    .wall_mass = options->wall_mass};
+}

@@ -1,0 +1,14 @@
+/* What a method starts from (thesis 3.2, 3.5.2): nothing, the mean force, the overlaps, the measured motions, or
+ * another state's forces. */
+#ifndef FORCES_START_H
+#define FORCES_START_H
+
+#include "forces/methods/method.h"
+
+/* Which start is meant where none was named: the overlaps where they and a stiffness are known, else zero. */
+enum force_start start_meant(const struct force_options *options, const struct packing *packing);
+/* The forces of options->start into f, in working units, all of them numbers. `method`: which of the forces of another
+ * state are taken first. */
+int start_forces(const struct problem *problem, const struct method *method, double *f);
+
+#endif
