@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "forces/forces_file.h"
 #include "forces/infer_forces.h"
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
@@ -86,46 +87,16 @@ static int read_members(const struct series_request *request, struct member *mem
     return 0;
 }
 
-/* Take the forces into the packing; an old result of the same name gives way. */
-static int take_in(struct packing *packing, struct forces *forces)
-{
-    for (size_t k = 0; k < packing->force_count; k++)
-        if (!strcmp(packing->forces[k].method, forces->method)) {
-            forces_free(&packing->forces[k]);
-            packing->forces[k] = *forces;
-            memset(forces, 0, sizeof *forces);
-            return 0;
-        }
-    struct forces *grown = realloc(packing->forces, (packing->force_count + 1) * sizeof *grown);
-    if (!grown)
-        return error_memory("forces");
-    packing->forces = grown;
-    packing->forces[packing->force_count++] = *forces;
-    memset(forces, 0, sizeof *forces);
-    return 0;
-}
-
 static int write_member(const struct series_request *request, const struct member *members, size_t k,
                         const char *parameters)
 {
-    const struct packing *packing = &members[k].packing;
     const char **inputs = calloc(request->count + 1, sizeof *inputs);
     char *path = is_folder(request->output) ? output_path(request->output, members[k].path) : strdup(request->output);
     int status = inputs && path ? 0 : error_memory("paths");
     for (size_t s = 0; s < request->count && !status; s++)
         inputs[s] = members[s].path;
-    struct provenance provenance = PROVENANCE_DEFAULT;
-    provenance.stage = "forces";
-    provenance.parameters = parameters;
-    provenance.scene = request->scene;
-    provenance.input_paths = inputs;
-    provenance.input_count = request->count;
-    provenance.index = packing->info.index;
-    provenance.time_s = packing->info.time_s;
-    provenance.coordinates = "si";
-    provenance.length_m = packing->length_m;
-    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
-    status = status || packing_write(path, packing, &provenance) ? -1 : 0;
+    if (!status)
+        status = forces_write(path, &members[k].packing, request->scene, parameters, inputs, request->count);
     free(inputs), free(path);
     return status;
 }
@@ -140,7 +111,8 @@ static int write_all(const struct series_request *request, struct member *member
         outcome->grains += members[k].packing.grains.count;
         if (!outcome->worst || summary->photo[k].misfit > outcome->worst_misfit)
             outcome->worst = members[k].path, outcome->worst_misfit = summary->photo[k].misfit;
-        status = take_in(&members[k].packing, &forces[k]) || write_member(request, members, k, parameters) ? -1 : 0;
+        status =
+            forces_take_in(&members[k].packing, &forces[k]) || write_member(request, members, k, parameters) ? -1 : 0;
     }
     free(parameters);
     return status;

@@ -273,7 +273,8 @@ int sparse_solve(struct sparse *sparse, const double *right, double *solution)
         cholmod_dense r = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = sparse->defect, .xtype = CHOLMOD_REAL};
         double minus[2] = {-1, 0}, one[2] = {1, 0};
         memcpy(sparse->defect, right, n * sizeof *right);
-        cholmod_sdmult(sparse->matrix, 0, minus, one, &x, &r, &sparse->common);
+        if (!cholmod_sdmult(sparse->matrix, 0, minus, one, &x, &r, &sparse->common))
+            return error_memory("refinement");
         supernodal_solve(sparse->factor, sparse->defect, sparse->correction);
         for (size_t d = 0; d < n; d++)
             solution[d] += sparse->correction[d];

@@ -104,7 +104,7 @@ int map_sample(const struct network *network, const struct force_options *option
     size_t count = network->count, samples = (size_t)options->samples;
     double *draws = calloc(samples * 2 * count + 1, sizeof *draws);
     struct map base = {0};
-    struct outcome outcome;
+    struct outcome outcome = {0};
     int status = draws ? spread_alloc(count, spread) : error_memory("samples");
     if (!status)
         status = map_begin(network, options, evidence, &base) || map_rounds(&base, &outcome) ||

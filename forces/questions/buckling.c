@@ -147,13 +147,16 @@ static void find_spins(struct stiffness *k, int slips)
     }
 }
 
-/* Fills K; returns a bound on how far below zero its eigenvalues can lie (Gershgorin, of the geometric part). */
-static double fill(struct stiffness *k, int slips)
+/* Fills K; *bound: how far below zero its eigenvalues can lie (Gershgorin, of the geometric part). */
+static int fill(struct stiffness *k, int slips, double *bound)
 {
-    double *row_sum = calloc(k->network->dofs + 1, sizeof *row_sum), bound = 0;
+    double *row_sum = calloc(k->network->dofs + 1, sizeof *row_sum);
+    if (!row_sum)
+        return error_memory("stability");
+    *bound = 0;
     find_spins(k, slips);
     sparse_clear(k->matrix);
-    for (size_t c = 0; row_sum && c < k->network->count; c++) {
+    for (size_t c = 0; c < k->network->count; c++) {
         const struct network_contact *contact = &k->network->contact[c];
         struct lines lines;
         double *block = k->block[c];
@@ -169,10 +172,10 @@ static double fill(struct stiffness *k, int slips)
                 block[i * W + j] = block[j * W + i] = 0;
         sparse_add(k->matrix, c, block);
     }
-    for (size_t d = 0; row_sum && d < k->network->dofs; d++)
-        bound = fmax(bound, row_sum[d]);
+    for (size_t d = 0; d < k->network->dofs; d++)
+        *bound = fmax(*bound, row_sum[d]);
     free(row_sum);
-    return row_sum ? bound : -1;
+    return 0;
 }
 
 static int multiply(void *user, const double *x, double *out)
@@ -196,14 +199,12 @@ static int solve(void *user, const double *x, double *out)
 
 static int smallest(struct stiffness *k, int slips, double *value, double *motion)
 {
-    double bound = fill(k, slips), defect;
+    double bound, defect;
     struct lanczos problem = {k->network->dofs, multiply, solve, k, DEFECT};
-    if (bound < 0)
-        return error_memory("stability");
-    sparse_add_diagonal(k->matrix, k->diagonal, 1.001 * bound + LEAST_SHIFT * fmax(1, sparse_largest(k->matrix)));
-    if (sparse_factorise(k->matrix) < 0 || lanczos_smallest(&problem, value, motion, &defect))
+    if (fill(k, slips, &bound))
         return -1;
-    return 0;
+    sparse_add_diagonal(k->matrix, k->diagonal, 1.001 * bound + LEAST_SHIFT * fmax(1, sparse_largest(k->matrix)));
+    return sparse_factorise(k->matrix) < 0 ? -1 : lanczos_smallest(&problem, value, motion, &defect);
 }
 
 static int begin(struct stiffness *k)

@@ -57,7 +57,7 @@ static int pulled(const struct network *network, const struct force_options *opt
                   size_t c, double pull, double *f, double *value)
 {
     struct evidence evidence = {0};
-    struct outcome outcome;
+    struct outcome outcome = {0};
     if (evidence_copy(belief, &evidence))
         return error_memory("ranges");
     evidence.prior[2 * c] = pull;
