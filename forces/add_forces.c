@@ -1,3 +1,5 @@
+/* Forces of one packing by one method after the other; everything that was asked about them is answered before their
+ * file is written, so that a failure leaves no half of it. */
 #include "forces/add_forces.h"
 
 #include <stdlib.h>
@@ -15,6 +17,7 @@
 
 #define UNBALANCED 0.01 /* <fn>: a grain whose unbalanced force is larger counts */
 
+/* For the log: what a run is judged by. */
 static void tell(const struct forces *forces)
 {
     log_event(forces->method, "iterations", (double)forces->iterations, "converged", (double)forces->converged,
@@ -48,6 +51,7 @@ static int look_around(const struct packing *packing, const struct force_options
     return options->range ? range_forces(packing, options, method, forces) : 0;
 }
 
+/* *unbalanced: of the worst method that seeks equilibrium. */
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
@@ -73,6 +77,7 @@ static int infer_all(const struct force_request *request, const struct force_opt
     return 0;
 }
 
+/* The files that had a say stand in the provenance. */
 static int write_forces(const struct force_request *request, const struct force_options *options,
                         const struct packing *packing)
 {

@@ -1,3 +1,5 @@
+/* All states are read before the first is worked on, sorted by the number of their photo, solved together and written
+ * one by one; each file names all of them as its inputs. */
 #include "forces/add_series.h"
 
 #include <errno.h>
@@ -87,6 +89,7 @@ static int read_members(const struct series_request *request, struct member *mem
     return 0;
 }
 
+/* Into the folder, or, a single state, into the file that was named. */
 static int write_member(const struct series_request *request, const struct member *members, size_t k,
                         const char *parameters)
 {
@@ -101,6 +104,7 @@ static int write_member(const struct series_request *request, const struct membe
     return status;
 }
 
+/* Files, and what the caller reports: grains out of balance, the photo that fits worst. */
 static int write_all(const struct series_request *request, struct member *members, struct forces *forces,
                      const struct series_summary *summary, struct series_outcome *outcome)
 {
@@ -118,6 +122,7 @@ static int write_all(const struct series_request *request, struct member *member
     return status;
 }
 
+/* For the log. */
 static void tell(const struct series_summary *summary)
 {
     log_event("series", "converged", (double)summary->converged, "residual", summary->gradient, "steps",

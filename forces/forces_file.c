@@ -1,3 +1,4 @@
+/* Forces of several methods stand side by side in one packing, by their names. */
 #include "forces/forces_file.h"
 
 #include <stdlib.h>

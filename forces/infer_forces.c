@@ -1,3 +1,6 @@
+/* One packing, one method: the network is built, the method begins and works, and whatever it leaves is judged in the
+ * same way: by the largest component that is out of balance, over <fn>. A method that stops early has not failed; where
+ * it leaves more than it should, the loads themselves may be at fault, and a proof of that is sought (Farkas). */
 #include "forces/infer_forces.h"
 
 #include <stdio.h>
@@ -13,6 +16,7 @@
 const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
 const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
 
+/* Before anything is built: what the row says it needs. */
 static int check_needs(const struct packing *packing, const struct force_options *options, const struct method *method)
 {
     if ((method->needs & NEEDS_STIFFNESS) && !elastic_known(&options->law))
@@ -114,6 +118,7 @@ static int sample(const struct problem *problem, const struct method *method, st
     return status;
 }
 
+/* Forces, judgement, proof, spread. */
 static int infer(const struct problem *problem, const struct method *method, struct forces *forces)
 {
     const struct network *network = problem->network;
@@ -134,6 +139,7 @@ static int infer(const struct problem *problem, const struct method *method, str
     return status;
 }
 
+/* The larger of the force and the moment over the radius that a grain has left; NaN: not known. */
 static double unbalance_of(const struct residuals *residual, size_t k, double radius)
 {
     double force = hypot(residual->residual_x[k], residual->residual_y[k]);
@@ -141,6 +147,7 @@ static double unbalance_of(const struct residuals *residual, size_t k, double ra
     return isnan(force) || isnan(moment) ? NAN : fmax(force, moment); /* hypot(inf, NaN) is inf */
 }
 
+/* <fn>; 0 when nothing pushes. */
 static double mean_pushing(const struct contact_forces *contact)
 {
     double sum = 0, pushing = 0;
@@ -176,10 +183,7 @@ int infer_forces(const struct packing *packing, const struct force_options *opti
     struct network network;
     const struct method *row = method_row(method);
     memset(forces, 0, sizeof *forces);
-    if (!row || check_needs(packing, options, row))
-        return -1;
-    struct network_options network_options = method_network(options, row);
-    if (network_build(packing, &options->law, &network_options, &network))
+    if (!row || check_needs(packing, options, row) || method_network(packing, options, row, &network))
         return -1;
     int status = infer(&(struct problem){packing, &network, options}, row, forces);
     if (!status)

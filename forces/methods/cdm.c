@@ -1,5 +1,9 @@
-/* Contact dynamics (thesis 2.1.2): nonlinear Gauss-Seidel over the contacts, each one stopped by Signorini's and
- * Coulomb's laws while the velocities of its bodies are kept up to date. The time step is 1, the bodies start at rest
+/* Contact dynamics (thesis 2.1.2; Moreau 1988, Jean 1999): nonlinear Gauss-Seidel over the contacts, each one stopped
+ * by Signorini's and Coulomb's laws while the velocities of its bodies are kept up to date:
+ *
+ *     v = M^-1 (A f + b),   u = A' v,   fn >= 0, un >= 0, fn un = 0;   |ft| <= mu fn, ft against ut where it slides.
+ *
+ * The time step is 1, the bodies start at rest
  * (so restitution has no part in it), and a static state is one whose velocities vanish. */
 #include "forces/methods/cdm.h"
 
@@ -13,9 +17,15 @@
 #include "pipeline/speak/error.h"
 
 enum { CDM_W = 5 /* Wnn, Wnt, Wtt, 1 / Wnn, 1 / Wtt */ };
-enum { CDM_WORSE = 10 };
-enum { CDM_SWEEPS = 20000, CDM_LOOK = 20 /* sweeps between two looks at the imbalance */, CDM_PATIENCE = 4000 };
+enum {
+    CDM_WORSE = 10,      /* times what the block before left: acceleration begins anew */
+    CDM_SWEEPS = 20000,  /* limit, when none is given */
+    CDM_LOOK = 20,       /* sweeps between two looks at the imbalance */
+    CDM_PATIENCE = 4000, /* sweeps without a better imbalance */
+};
 
+/* Stick: u = 0 solves 2 x 2 equations for the change of (fn, ft). Where that leaves the cone the contact slips: un = 0
+ * with ft = +-mu fn, on the side where stick would have put it; where it pulls, the contact opens. */
 void cdm_contact(const double w[3], double mu, double un, double ut, double relaxation, double *fn, double *ft)
 {
     double determinant = w[0] * w[2] - w[1] * w[1], old_n = *fn, old_t = *ft;
@@ -79,7 +89,7 @@ struct cdm {
     const struct network *network;
     const struct force_options *options;
     struct cdm_order order;
-    double (*w)[CDM_W];
+    double (*w)[CDM_W];           /* per contact */
     double *f, *held, *unbalance; /* unbalance: resultant on each degree of freedom */
 };
 
@@ -197,6 +207,7 @@ static void iterate(const struct cdm *cdm, struct anderson *anderson, double *x,
     outcome->converged = best->imbalance <= options->tolerance;
 }
 
+/* The start is brought into the cones first: what is held is held there. */
 static int begin(struct cdm *cdm)
 {
     const struct network *network = cdm->network;

@@ -8,6 +8,7 @@
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
+/* A column that is missing is not known in any row. */
 static double motion(const double *column, size_t row)
 {
     return column ? column[row] : NAN;

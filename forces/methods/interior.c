@@ -22,6 +22,7 @@ enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalanc
 #define INTERIOR_ROUNDING 1e-15 /* of the largest multiplier: near mechanisms have large ones */
 #define INTERIOR_OFF 1e-2       /* how well side press is its weight, as a share of it */
 #define INTERIOR_ROUGH_OFF 0.3  /* of a rough solution */
+#define FAR 2                   /* mean weights: gaps that are larger are aimed straight at the boundary */
 #define BOUNDARY 0.995          /* share of the way to the boundary that a step may go */
 
 static double friction(const struct map *map, size_t c)
@@ -151,6 +152,7 @@ static double longest(const struct map *map)
     return fmin(1, BOUNDARY * length);
 }
 
+/* What side times press shall be in the end, in the mean. */
 static double mean_weight(const struct map *map)
 {
     double sum = 0, count = 0;
@@ -189,6 +191,7 @@ static void aim_again(struct map *map, double centre, double share)
                                 share * map->dside[c][k] * map->dpress[c][k];
 }
 
+/* (y, l) and (side, press) go the same length; the forces follow from the sides. */
 static void move(struct map *map)
 {
     map->length = longest(map);
@@ -203,10 +206,12 @@ static void move(struct map *map)
     }
 }
 
+/* One step: predictor, centring, corrector; where the corrector's second-order term cuts the step to less than half of
+ * the predictor's, once more without it. One factorisation, two or three solves. */
 static int advance(struct map *map, double *keep)
 {
     double weight = mean_weight(map);
-    int far = map->gap > 2 * weight;
+    int far = map->gap > FAR * weight;
     memcpy(keep, map->left, (map->dofs + map->count) * sizeof(double));
     compliances(map);
     aim(map, far);
@@ -225,6 +230,8 @@ static int advance(struct map *map, double *keep)
     return 0;
 }
 
+/* Ends when equilibrium, data and products are all good enough, each by its own measure. A problem that may have no
+ * solution is given up when its imbalance has not halved within INTERIOR_PATIENCE steps. */
 int map_interior(struct map *map, int *iterations)
 {
     double *keep = malloc((map->dofs + map->count + 1) * sizeof *keep);

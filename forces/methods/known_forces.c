@@ -1,3 +1,4 @@
+/* Forces that another source gives: no equilibrium is asked for. Pairs are matched by sorting both lists by (i, j). */
 #include "forces/methods/known_forces.h"
 
 #include <stdlib.h>
@@ -55,6 +56,7 @@ static int compare_pairs(const void *a, const void *b)
     return p->row < q->row ? -1 : p->row > q->row;
 }
 
+/* To be freed; NULL: memory is gone. */
 static struct pair *sorted_pairs(const struct contacts *contacts)
 {
     struct pair *pairs = malloc((contacts->count + 1) * sizeof *pairs);

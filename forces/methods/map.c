@@ -56,6 +56,7 @@ static void set_friction(struct map *map)
     }
 }
 
+/* The same variance everywhere, more where a partner of the grain is missing. */
 static void set_soft(struct map *map, double least)
 {
     for (size_t d = 0; d < map->dofs; d++)
@@ -77,6 +78,7 @@ static void set_soft_again(struct map *map)
     }
 }
 
+/* What the round has told about each contact, for the next one. */
 static void learn(struct map *map)
 {
     set_slack(map, 0);
@@ -116,6 +118,7 @@ static int solve_hard(struct map *map, struct outcome *outcome)
     return status ? status : largest_load(map) > tolerance;
 }
 
+/* Reweighted SOFT_ROUNDS times, from scratch: the last point was that of another problem. */
 static int solve_soft(struct map *map, struct outcome *outcome)
 {
     map->warm = 0;
@@ -133,6 +136,7 @@ static int solve_soft(struct map *map, struct outcome *outcome)
     return 0;
 }
 
+/* With equilibrium exact; where that has no solution, with an unknown load on every grain. */
 int map_rounds(struct map *map, struct outcome *outcome)
 {
     *outcome = (struct outcome){0};

@@ -17,6 +17,7 @@ static int solve(const struct problem *problem, double *f, struct outcome *outco
     return status;
 }
 
+/* The evidence is built again from the start: the forces have taken its place in f. */
 static int sample(const struct problem *problem, const double *f, struct spread *spread)
 {
     struct evidence evidence;

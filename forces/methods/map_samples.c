@@ -1,3 +1,6 @@
+/* Randomise, then optimise (Bardsley et al. 2014): for a linear Gaussian model the optimum of a problem whose data and
+ * beliefs were disturbed by errors of their own size is a draw from the posterior; here cones cut it, and a factor
+ * makes good for that. Every draw has its own random numbers, by its number, so that threads change nothing. */
 #include "forces/methods/map_samples.h"
 
 #include <stdlib.h>
@@ -24,21 +27,15 @@ static uint64_t key_of(size_t draw, unsigned kind)
 static int disturb(const struct map *base, size_t draw, struct evidence *to)
 {
     const struct evidence *from = base->evidence;
-    double *errors = malloc((from->errors + 1) * sizeof *errors);
-    if (!errors || evidence_copy(from, to)) {
-        free(errors);
-        return errors ? -1 : error_memory("samples");
-    }
-    for (size_t k = 0; k < from->errors; k++)
-        errors[k] = random_normal(key_of(draw, 0), k);
+    if (evidence_copy(from, to))
+        return -1;
     for (size_t c = 0; c < from->count; c++) {
         for (int k = 0; k < EVIDENCE_WIDTH && from->place[c][k] >= 0; k++)
-            to->measured[c] += from->share[c][k] * errors[from->place[c][k]];
+            to->measured[c] += from->share[c][k] * random_normal(key_of(draw, 0), (uint64_t)from->place[c][k]);
         to->measured[c] += sqrt(base->slack[c]) * random_normal(key_of(draw, 1), c);
         to->prior[2 * c] += sqrt(from->variance[2 * c]) * random_normal(key_of(draw, 2), c);
         to->prior[2 * c + 1] += sqrt(from->variance[2 * c + 1]) * random_normal(key_of(draw, 3), c);
     }
-    free(errors);
     return 0;
 }
 
@@ -72,6 +69,7 @@ static double deviation(const double *draws, size_t samples, size_t stride)
     return CALIBRATION * fmax(LEAST_SPREAD, sqrt(sum / (double)(samples - 1)));
 }
 
+/* One map per thread, which each draw overwrites. */
 static int draw_all(const struct map *base, size_t samples, double *draws)
 {
     struct error_shared shared = ERROR_SHARED_NONE;

@@ -6,6 +6,8 @@
 #include "forces/methods/method.h"
 #include "forces/network/evidence.h"
 
+/* options->samples draws, 2 or more, around the most likely forces for that evidence. 0 or -1; spread is to be freed.
+ */
 int map_sample(const struct network *network, const struct force_options *options, const struct evidence *evidence,
                struct spread *spread);
 

@@ -36,6 +36,7 @@ static int balance_two(const struct network_contact *const contact[2], const int
     return largest > PARALLEL;
 }
 
+/* Is one of both signs of that pair inside both cones? Two contacts whose equations are dependent can hold anything. */
 static int can_hold(const struct network_contact *const contact[2], const int at[2])
 {
     double v[4], edge;
@@ -52,6 +53,7 @@ static int can_hold(const struct network_contact *const contact[2], const int at
     return 0;
 }
 
+/* Does anything but its contacts push the grain with these degrees of freedom? */
 static int loaded(const struct map *map, long dof)
 {
     for (long d = dof; d < dof + 3; d++)

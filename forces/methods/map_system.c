@@ -14,6 +14,7 @@
 #include "forces/algebra/arena.h"
 #include "pipeline/speak/error.h"
 
+/* Each contact couples the degrees of freedom and the errors that it touches. */
 static struct sparse *system_matrix(const struct map *map)
 {
     int *place = malloc((map->count * MAP_WIDTH + 1) * sizeof *place);
@@ -109,19 +110,26 @@ void map_errors(struct map *map)
             map->error[map->evidence->place[c][k]] += map->evidence->share[c][k] * map->l[c];
 }
 
+/* What a unit of the pull along its normal lets contact c do on its entry `dof`: (A D n) there. */
+static double stroke(const struct map *map, size_t c, int dof)
+{
+    const struct network_contact *contact = &map->network->contact[c];
+    return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
+}
+
 /* What contact c adds to the system: its equilibrium part less what its overlap equation takes up (d its pivot). */
 static void add_block(struct map *map, size_t c)
 {
     const struct network_contact *contact = &map->network->contact[c];
     const double *curve = map->curve[c], *share = map->evidence->share[c];
-    double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH], b[NETWORK_WIDTH];
+    double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH];
     int measured = map_measured(map, c);
     double d = curve[0] + map->slack[c], gain = measured ? 1 / d : 0;
+    contact_block(contact, curve, MAP_WIDTH, block);
     for (int i = 0; i < NETWORK_WIDTH; i++) {
-        a[i] = contact->n[i] * curve[0] + contact->t[i] * curve[1];
-        b[i] = contact->n[i] * curve[1] + contact->t[i] * curve[2];
+        a[i] = stroke(map, c, i);
         for (int j = 0; j <= i; j++)
-            block[i * MAP_WIDTH + j] = a[i] * contact->n[j] + b[i] * contact->t[j] - gain * a[i] * a[j];
+            block[i * MAP_WIDTH + j] -= gain * a[i] * a[j];
     }
     for (int i = 0; i < EVIDENCE_WIDTH && measured; i++) {
         double *row = &block[(NETWORK_WIDTH + i) * MAP_WIDTH];
@@ -155,12 +163,7 @@ int map_factorise(struct map *map)
     return 0;
 }
 
-static double stroke(const struct map *map, size_t c, int dof)
-{
-    const struct network_contact *contact = &map->network->contact[c];
-    return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
-}
-
+/* The right-hand side in (y, e): l eliminated. */
 static void fill_right(struct map *map)
 {
     memset(map->right, 0, (map->dofs + map->errors) * sizeof(double));
@@ -176,6 +179,7 @@ static void fill_right(struct map *map)
     }
 }
 
+/* dy from the system; dl contact by contact from its overlap equation. */
 int map_back_solve(struct map *map)
 {
     fill_right(map);

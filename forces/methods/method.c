@@ -1,3 +1,4 @@
+/* The table of force methods. Rows of the product stand there from the start; a program may add its own at run time. */
 #include "forces/methods/method.h"
 
 #include <stdlib.h>
@@ -51,9 +52,11 @@ int method_add(const struct method *row)
     return count++;
 }
 
-struct network_options method_network(const struct force_options *options, const struct method *method)
+int method_network(const struct packing *packing, const struct force_options *options, const struct method *method,
+                   struct network *network)
 {
     int asked = method->candidates == CANDIDATES_IF_ASKED && options->candidates;
-    return (struct network_options){.candidates = asked || method->candidates == CANDIDATES_ALWAYS,
-                                    .wall_mass = options->wall_mass};
+    const struct network_options network_options = {.candidates = asked || method->candidates == CANDIDATES_ALWAYS,
+                                                    .wall_mass = options->wall_mass};
+    return network_build(packing, &options->law, &network_options, network);
 }

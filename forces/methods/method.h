@@ -67,7 +67,8 @@ char *method_names(void);
  * another thread infers forces. */
 int method_add(const struct method *row);
 
-/* The contacts and the mass of walls for this method. */
-struct network_options method_network(const struct force_options *options, const struct method *method);
+/* The network that this method works on: its contacts, the options' law and mass of walls. 0 or -1. */
+int method_network(const struct packing *packing, const struct force_options *options, const struct method *method,
+                   struct network *network);
 
 #endif

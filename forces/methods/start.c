@@ -1,3 +1,4 @@
+/* Every start is a set of numbers, whatever it came from. */
 #include "forces/methods/start.h"
 
 #include <string.h>

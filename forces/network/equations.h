@@ -49,4 +49,14 @@ static inline void contact_push(const struct network_contact *contact, double fn
         out[contact->dof[e]] += contact->n[e] * fn + contact->t[e] * ft;
 }
 
+/* The lower triangle of A_c H A_c', H the symmetric 2 x 2 matrix {nn, nt, tt}; rows of the block are `width` apart. */
+static inline void contact_block(const struct network_contact *contact, const double h[3], int width, double *block)
+{
+    for (int i = 0; i < NETWORK_WIDTH; i++) {
+        double a = contact->n[i] * h[0] + contact->t[i] * h[1], b = contact->n[i] * h[1] + contact->t[i] * h[2];
+        for (int j = 0; j <= i; j++)
+            block[i * width + j] = a * contact->n[j] + b * contact->t[j];
+    }
+}
+
 #endif

@@ -1,3 +1,11 @@
+/* How the file's columns become the model of evidence.h. Every standard error of a place, a radius or a wall is one
+ * unknown e of variance 1 that is shared by all contacts of that body:
+ *
+ *     B_ce = tangent stiffness x d overlap / d e x standard error,
+ *
+ * so that a grain that was measured too far left shows larger overlaps there and smaller ones on its right, by one
+ * number.
+ */
 #include "forces/network/evidence.h"
 
 #include <stdlib.h>
@@ -46,6 +54,7 @@ static int evidence_alloc(size_t count, size_t dofs, struct evidence *evidence)
     return 0;
 }
 
+/* Certain contacts of variance 1 that say nothing: what every evidence begins with. */
 int evidence_blank(const struct network *network, struct evidence *evidence)
 {
     if (evidence_alloc(network->count, network->dofs, evidence))
@@ -59,6 +68,7 @@ int evidence_blank(const struct network *network, struct evidence *evidence)
     return 0;
 }
 
+/* Both were laid out for the same sizes: one block each. */
 int evidence_copy(const struct evidence *from, struct evidence *to)
 {
     size_t n = from->count;
@@ -80,6 +90,7 @@ struct known_errors {
     double unknown[ERROR_COLUMNS];
 };
 
+/* Columns, and the largest error of each, which stands in for those that are missing. */
 static void errors_begin(const struct packing *packing, struct known_errors *known)
 {
     const struct grains *g = &packing->grains;
@@ -135,6 +146,7 @@ static void number_errors(const struct packing *packing, const struct known_erro
     evidence->errors = (size_t)next;
 }
 
+/* The next of a contact's unknowns; -1: that quantity has no error. */
 static void add_share(struct evidence *evidence, size_t c, int *at, int place, double share)
 {
     if (place < 0)
@@ -203,6 +215,7 @@ static double scale_to_loads(const struct packing *packing, const struct known_e
     return virial > 0 ? network->virial / virial : 1;
 }
 
+/* m, B and slack of every contact, from its overlap; refuses one that is not finite. */
 static int fill_overlaps(const struct packing *packing, const struct known_errors *known, const struct network *network,
                          const struct force_options *options, struct evidence *evidence)
 {

@@ -10,10 +10,11 @@
 /* START_DEFAULT: overlap where a stiffness is known, else zero. START_FILE is `previous` from a file of any state. */
 enum force_start { START_DEFAULT, START_ZERO, START_MEAN, START_OVERLAP, START_CEM, START_PREVIOUS, START_FILE };
 
+/* Which components keep the start's values: with FIX_NORMAL every fn, with FIX_TANGENTIAL every ft. */
 enum force_fix { FIX_NONE, FIX_NORMAL, FIX_TANGENTIAL };
 
 struct force_options {
-    struct contact_law law;
+    struct contact_law law; /* of all contacts; kn may be NaN for methods that do not need it */
     enum force_start start;
     const struct packing *previous; /* with its forces: for START_PREVIOUS and cem; NULL: none */
     const struct packing *from;     /* with its forces: for START_FILE; NULL: none */
@@ -36,6 +37,7 @@ struct force_options {
     int orthogonal; /* project onto the Coulomb cone orthogonally (associated flow) instead of vertically */
     int anderson;   /* columns of Anderson's acceleration, also of cdm's; 0: none */
 };
+/* Defaults. */
 #define FORCE_TOLERANCE 1e-6
 #define FORCE_WALL_MASS 100
 #define FORCE_ANDERSON 5

@@ -1,3 +1,8 @@
+/* How A, b and the masses come about. A contact (fn, ft) acts with fn n + ft t on its second body j and with the
+ * opposite on i, n pointing from i to j and t being n turned to the left; the moment about a grain's centre is arm x
+ * force, arm from the centre to the contact point. Each body's equations are divided by the unit of force, moments also
+ * by the mean radius. A straight wall has one equation, along its inward normal; a corner disc belongs to two walls and
+ * acts in the equations of both. */
 #include "forces/network/network.h"
 
 #include <stdlib.h>
@@ -7,6 +12,7 @@
 #include "forces/network/network_parts.h"
 #include "pipeline/speak/error.h"
 
+/* Three per grain that moves, in the order of the grains, then one per free wall. */
 static void number_dofs(const struct packing *packing, struct network *network)
 {
     size_t next = 0;
@@ -55,6 +61,7 @@ static void add_disc_part(const struct packing *packing, const struct network *n
               vertical ? in.y * t.y : in.x * t.x);
 }
 
+/* Where a wall is fixed its contacts push against nothing that could move: no entry. */
 static void add_wall(const struct packing *packing, const struct network *network, size_t c, size_t wall,
                      struct network_contact *contact, int *at)
 {
@@ -135,6 +142,7 @@ static int fill_masses(const struct packing *packing, double wall_mass, struct n
     return 0;
 }
 
+/* All arrays for the most there can be: nobody moves, everybody counts. */
 static int network_alloc(const struct packing *packing, struct network *network)
 {
     network->grains = packing->grains.count;
@@ -154,6 +162,7 @@ static int network_alloc(const struct packing *packing, struct network *network)
     return 0;
 }
 
+/* The order matters: what is peeled has no equations, the unit of force needs the contacts, the loads need the unit. */
 static int fill(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
                 struct network *network)
 {
@@ -248,6 +257,7 @@ double network_judge(const struct network *network, const double *f, double *wor
     return known ? largest / network_mean_force(network, f) : NAN;
 }
 
+/* Each contact couples the degrees of freedom that it touches, and nothing else. */
 struct sparse *network_matrix(const struct network *network)
 {
     int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);

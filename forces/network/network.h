@@ -7,7 +7,8 @@
 #include "pipeline/laws/contact_law.h"
 #include "pipeline/packing/packing.h"
 
-/* Refuses a packing that nothing holds, numbers that are not finite, and a law without mu. */
+/* From a packing with positions and radii (m), normals, contact points, loads (N, N m) and walls. 0; -1: refused.
+ * Refuses a packing that nothing holds, numbers that are not finite, and a law without mu. */
 int network_build(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
                   struct network *network);
 void network_free(struct network *network); /* accepts a zeroed struct */

@@ -1,3 +1,4 @@
+/* The columns of the file are in SI units and in the rows of the packing; NaN says that nobody knows. */
 #include "forces/network/network_result.h"
 
 #include <math.h>
@@ -9,6 +10,7 @@
 
 #define NORMAL_90 1.645 /* standard deviations on each side that hold 90 % */
 
+/* Open comes first: in the corner of its cone a contact is on both edges. */
 static uint32_t status_of(double mu, double fn, double ft, double margin)
 {
     if (isnan(fn) || isnan(ft))

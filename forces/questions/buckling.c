@@ -65,6 +65,7 @@ static int carrying(const struct packing *packing, const struct contact_forces *
     return 0;
 }
 
+/* N/m, along the law's tangent at this force. */
 static double normal_stiffness(const struct stiffness *k, size_t row)
 {
     struct contact_pair pair = elastic_pair(k->packing, &k->options->law, row);
@@ -107,6 +108,7 @@ static double curvature(const struct packing *packing, size_t row)
     return d > 0 ? 1 / d : 0;
 }
 
+/* block += factor (a b' + b a') / 2. */
 static void add_product(double factor, const double *a, const double *b, double *block)
 {
     for (int i = 0; i < W; i++)
@@ -114,6 +116,7 @@ static void add_product(double factor, const double *a, const double *b, double 
             block[i * W + j] += factor / 2 * (a[i] * b[j] + a[j] * b[i]);
 }
 
+/* The second and third line of the head, without the springs: what can make K indefinite. */
 static void geometric_block(const struct stiffness *k, const struct network_contact *contact, const struct lines *lines,
                             double *block)
 {
@@ -197,6 +200,8 @@ static int solve(void *user, const double *x, double *out)
     return sparse_solve(((struct stiffness *)user)->matrix, x, out);
 }
 
+/* The smallest eigenvalue with its motion: K is shifted by the bound, so that the factor is that of a definite matrix
+ * and inverse iteration finds the lowest end. */
 static int smallest(struct stiffness *k, int slips, double *value, double *motion)
 {
     double bound, defect;
@@ -207,6 +212,7 @@ static int smallest(struct stiffness *k, int slips, double *value, double *motio
     return sparse_factorise(k->matrix) < 0 ? -1 : lanczos_smallest(&problem, value, motion, &defect);
 }
 
+/* 0 or -1; the caller frees in any case. */
 static int begin(struct stiffness *k)
 {
     const struct network *network = k->network;

@@ -14,6 +14,7 @@ struct local_problem {
     double *value;    /* entries */
     double *q, *mu;   /* per row, per contact */
 };
+/* 0, or -1 with an empty problem. */
 int local_problem_build(const struct network *network, struct local_problem *problem);
 void local_problem_free(struct local_problem *problem); /* accepts a zeroed struct */
 

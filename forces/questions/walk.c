@@ -1,3 +1,5 @@
+/* Every state counts the same; the first is that of the forces that were given, when they are in balance. Jump k draws
+ * its random numbers from k alone, whatever the jumps before it did. */
 #include "forces/questions/walk.h"
 
 #include <stdlib.h>
@@ -16,6 +18,7 @@ struct walk {
     size_t count;      /* of states */
 };
 
+/* The present state, fn and ft apart. */
 static void keep(struct walk *walk)
 {
     size_t n = walk->network->count;
@@ -24,6 +27,7 @@ static void keep(struct walk *walk)
         state[c] = walk->f[2 * c], state[n + c] = walk->f[2 * c + 1];
 }
 
+/* From the present state; where the method does not lead back to balance the walk stays. */
 static int jump(struct walk *walk, int k)
 {
     size_t unknowns = 2 * walk->network->count;
@@ -48,6 +52,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* Between the two values beside it, linearly; two values or more. */
 static double quantile(const double *sorted, size_t count, double share)
 {
     double at = share * (double)(count - 1);
@@ -92,6 +97,7 @@ static void summarise(const struct walk *walk, double mean, double *values, stru
         }
 }
 
+/* The columns are added in any case: NaN where there were too few states. */
 static int run(struct walk *walk, struct forces *forces)
 {
     const struct network *network = walk->network;
@@ -126,8 +132,7 @@ int walk_forces(const struct packing *packing, const struct force_options *optio
     if (!row->walks)
         return error_input("method %s cannot walk: a walk needs one that leads back to equilibrium, such as map",
                            row->name);
-    struct network_options network_options = method_network(options, row);
-    if (network_build(packing, &options->law, &network_options, &network))
+    if (method_network(packing, options, row, &network))
         return -1;
     struct walk walk = {.packing = packing, .network = &network, .options = *options, .method = row};
     walk.options.start = START_PREVIOUS; /* the jump is all that map knows */

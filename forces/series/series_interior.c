@@ -16,27 +16,17 @@
 #include "forces/series/series_state.h"
 #include "pipeline/speak/error.h"
 
-enum { STEPS = 80 };
-#define FIRST_GAP 3.0
-#define WARM_GAP 0.03
-#define BOUNDARY 0.99 /* share of the way to the boundary that a step may go */
-#define OPEN_MEAN 3   /* <fn>: size of a gap */
-#define SHARED 0.1    /* residual that conjugate gradients leave */
-
-typedef int state_work(const struct series *series, struct series_state *state);
-
-static int for_states(struct series *series, state_work *work)
-{
-    struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        if (work(series, &series->state[s]))
-            error_share(&shared, (long)s);
-    return error_collect(&shared);
-}
+enum { STEPS = 80 };    /* limit of one optimum */
+#define FIRST_GAP 3.0   /* side times press, from scratch */
+#define WARM_GAP 0.03   /* the same, at least, where it goes on from the last stage */
+#define WARM_FORCE 0.03 /* <fn>: what a contact that opens or closes begins with, at least */
+#define BOUNDARY 0.99   /* share of the way to the boundary that a step may go */
+#define OPEN_MEAN 3     /* <fn>: size of a gap */
+#define SHARED 0.1      /* residual that conjugate gradients leave */
 
 /* ---- one contact ---- */
 
+/* An open contact slides freely. */
 static double friction(const struct series_state *state, size_t c)
 {
     return state->open[c] ? 0 : state->network.contact[c].mu;
@@ -47,7 +37,7 @@ static int sides(const struct series_state *state, size_t c)
     return cone_sides(friction(state, c));
 }
 
-/* V and f0. */
+/* V and f0: wide about <fn>; ft as far as Coulomb allows, fn being spread exponentially; a gap is a few <fn> wide. */
 void series_belief(const struct series_state *state, size_t c, double v[2], double *centre)
 {
     double mu = friction(state, c), square = state->mean * state->mean;
@@ -86,6 +76,7 @@ static void compliance(const struct series_state *state, size_t c, double out[3]
     }
 }
 
+/* From scratch: the mean force, or a gap of the usual size. */
 static void start_contact(struct series_state *state, size_t c, double gap)
 {
     double mu = friction(state, c);
@@ -100,7 +91,8 @@ static void restart_contact(struct series_state *state, size_t c, double gap)
     double mu = friction(state, c), *s = state->side[c], *p = state->press[c];
     if (state->changed[c]) {
         double overlap = state->measured[c][NORMAL] - state->error[c][NORMAL];
-        state->f[c][0] = state->open[c] ? fmin(overlap, -0.03) : fmax(overlap, 0.03 * state->mean), state->f[c][1] = 0;
+        state->f[c][0] = state->open[c] ? fmin(overlap, -WARM_FORCE) : fmax(overlap, WARM_FORCE * state->mean),
+        state->f[c][1] = 0;
         edges(state, c, state->f[c], s);
         p[0] = gap / s[0], p[1] = mu > 0 ? gap / s[1] : 0;
         state->changed[c] = 0;
@@ -175,10 +167,11 @@ static int state_residuals(const struct series *series, struct series_state *sta
     return 0;
 }
 
+/* Of all states, then what they leave for q: defect = sum B' l - q. */
 static int residuals(struct series *series)
 {
     double contacts = 0;
-    if (for_states(series, gather_multipliers))
+    if (series_for_states(series, gather_multipliers))
         return -1;
     series_add_up(series, series->defect);
     series->gradient = series->gap = series->pull = 0;
@@ -186,7 +179,7 @@ static int residuals(struct series *series)
         series->defect[k] -= series->q[k];
         series->pull = fmax(series->pull, fabs(series->defect[k]));
     }
-    if (for_states(series, state_residuals))
+    if (series_for_states(series, state_residuals))
         return -1;
     for (size_t s = 0; s < series->count; s++) {
         series->gradient = fmax(series->gradient, series->state[s].sum[0]);
@@ -201,9 +194,10 @@ static int residuals(struct series *series)
 
 /* Aim at side times press = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
  * equations. */
-static void prepare(struct series_state *state, double aim)
+static int prepare(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
+    double aim = series->aim;
     for (size_t c = 0; c < network->count; c++) {
         const double *curve = state->curve[c];
         double towards[2] = {0, 0}, edge[2];
@@ -219,6 +213,7 @@ static void prepare(struct series_state *state, double aim)
         if (!state->open[c])
             contact_push(&network->contact[c], moved[0], moved[1], state->gy);
     }
+    return 0;
 }
 
 /* B'[-D gl + G' A' K^-1 (gy - A G gl)] of one state into its sum (G = C D). */
@@ -226,19 +221,13 @@ static int state_right(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
     memcpy(state->work, state->gy, network->dofs * sizeof(double));
-    for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], *g = state->gl[c];
-        double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        contact_push(&network->contact[c], -n, -t, state->work);
-    }
+    for (size_t c = 0; c < network->count; c++)
+        series_take(state, c, -1, state->gl[c]);
     if (series_state_solve(state))
         return -1;
     network_motion(network, state->solution, state->drelative[0]);
-    for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], *g = state->gl[c], *d = state->gain[c], *u = state->drelative[c];
-        state->dl[c][0] = -d[0] * g[0] - d[1] * g[1] + take[0][0] * u[0] + take[1][0] * u[1];
-        state->dl[c][1] = -d[1] * g[0] - d[2] * g[1] + take[0][1] * u[0] + take[1][1] * u[1];
-    }
+    for (size_t c = 0; c < network->count; c++)
+        series_react(state, c, -1, state->gl[c], 1, state->drelative[c], state->dl[c]);
     series_gather(series, state, (const double(*)[2])state->dl);
     return 0;
 }
@@ -250,22 +239,19 @@ static int state_step(const struct series *series, struct series_state *state)
     for (size_t d = 0; d < network->dofs; d++)
         state->work[d] = -state->gy[d];
     for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], *g = state->dl[c];
+        double *g = state->dl[c];
         series_error_at(series, state, c, series->dq, g);
         g[0] += state->gl[c][0], g[1] += state->gl[c][1];
-        double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        contact_push(&network->contact[c], n, t, state->work);
+        series_take(state, c, 1, g);
     }
     if (series_state_solve(state))
         return -1;
     memcpy(state->dy, state->solution, network->dofs * sizeof(double));
     network_motion(network, state->dy, state->drelative[0]);
     for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], g[2] = {state->dl[c][0], state->dl[c][1]}, *d = state->gain[c];
         double *u = state->drelative[c], *curve = state->curve[c], *pull = state->pull[c], towards[2];
         u[0] *= !state->open[c], u[1] *= !state->open[c];
-        state->dl[c][0] = -d[0] * g[0] - d[1] * g[1] - take[0][0] * u[0] - take[1][0] * u[1];
-        state->dl[c][1] = -d[1] * g[0] - d[2] * g[1] - take[0][1] * u[0] - take[1][1] * u[1];
+        series_react(state, c, -1, state->dl[c], -1, u, state->dl[c]);
         for (int k = 0; k < 2; k++)
             towards[k] = u[k] + state->dl[c][k] + pull[k];
         state->df[c][0] = curve[0] * towards[0] + curve[1] * towards[1];
@@ -275,7 +261,7 @@ static int state_step(const struct series *series, struct series_state *state)
 }
 
 /* Steps of the edges and their multipliers; how far they stay positive. */
-static double reach(struct series_state *state, double aim)
+static int reach(const struct series *series, struct series_state *state)
 {
     double length = 1 / BOUNDARY;
     for (size_t c = 0; c < state->network.count; c++) {
@@ -283,15 +269,17 @@ static double reach(struct series_state *state, double aim)
         edges(state, c, state->df[c], ds);
         for (int k = 0; k < sides(state, c); k++) {
             double s = state->side[c][k], p = state->press[c][k];
-            state->dpress[c][k] = (aim - s * p - p * ds[k]) / s;
+            state->dpress[c][k] = (series->aim - s * p - p * ds[k]) / s;
         }
         length = cone_reach(friction(state, c), state->side[c], ds, state->press[c], state->dpress[c], length);
     }
-    return length;
+    state->sum[0] = length;
+    return 0;
 }
 
-static void move(struct series_state *state, double length)
+static int move(const struct series *series, struct series_state *state)
 {
+    double length = series->length;
     for (size_t d = 0; d < state->network.dofs; d++)
         state->y[d] += length * state->dy[d];
     for (size_t c = 0; c < state->network.count; c++) {
@@ -306,29 +294,34 @@ static void move(struct series_state *state, double length)
             state->press[c][k] += length * state->dpress[c][k];
         }
     }
+    return 0;
+}
+
+static int compliances(const struct series *series, struct series_state *state)
+{
+    (void)series;
+    for (size_t c = 0; c < state->network.count; c++)
+        compliance(state, c, state->curve[c]);
+    return 0;
 }
 
 int series_linearise(struct series *series)
 {
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        for (size_t c = 0; c < series->state[s].network.count; c++)
-            compliance(&series->state[s], c, series->state[s].curve[c]);
-    return series_factorise(series);
+    return series_for_states(series, compliances) || series_factorise(series) ? -1 : 0;
 }
 
 /* Steps of everything but the edges, for what gy, gl, pull and defect say. */
 static int solve(struct series *series, double aim, double share)
 {
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        prepare(&series->state[s], aim);
-    if (for_states(series, state_right))
+    series->aim = aim;
+    if (series_for_states(series, prepare) || series_for_states(series, state_right))
         return -1;
     series_add_up(series, series->vector[4]);
     for (size_t k = 0; k < series->shared.count; k++)
         series->vector[4][k] += series->defect[k];
-    return series_solve_shared(series, series->vector[4], series->dq, share) || for_states(series, state_step) ? -1 : 0;
+    return series_solve_shared(series, series->vector[4], series->dq, share) || series_for_states(series, state_step)
+               ? -1
+               : 0;
 }
 
 int series_respond(struct series *series, double share)
@@ -336,25 +329,21 @@ int series_respond(struct series *series, double share)
     return solve(series, -1, share);
 }
 
-static int step(struct series *series, double aim, double *length)
+/* One Newton step of everything, as long as all sides and their multipliers stay positive. */
+static int step(struct series *series, double aim)
 {
-    if (series_linearise(series) || solve(series, aim, SHARED))
+    if (series_linearise(series) || solve(series, aim, SHARED) || series_for_states(series, reach))
         return -1;
-#pragma omp parallel for schedule(dynamic) if (series->large)
+    double length = 1 / BOUNDARY;
     for (size_t s = 0; s < series->count; s++)
-        series->state[s].sum[0] = reach(&series->state[s], aim);
-    *length = 1 / BOUNDARY;
-    for (size_t s = 0; s < series->count; s++)
-        *length = fmin(*length, series->state[s].sum[0]);
-    *length = fmin(1, BOUNDARY * *length);
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        move(&series->state[s], *length);
+        length = fmin(length, series->state[s].sum[0]);
+    series->length = fmin(1, BOUNDARY * length);
     for (size_t k = 0; k < series->shared.count; k++)
-        series->q[k] += *length * series->dq[k];
-    return 0;
+        series->q[k] += series->length * series->dq[k];
+    return series_for_states(series, move);
 }
 
+/* Overlaps are believed to their errors and `more`, in units. */
 static void set_slack(struct series *series, double more)
 {
     for (size_t s = 0; s < series->count; s++) {
@@ -365,20 +354,21 @@ static void set_slack(struct series *series, double more)
     }
 }
 
+/* The aim shrinks the more, the longer the last step was: no predictor, as each solve costs conjugate gradients. */
 int series_optimise(struct series *series, const struct series_aim *aim)
 {
-    double length = 1, shrink = 0.2;
+    double shrink = 0.2;
     set_slack(series, aim->loose);
     if (aim->cold)
         memset(series->q, 0, series->shared.count * sizeof(double));
-    if (for_states(series, aim->cold ? state_start : state_restart) || residuals(series))
+    if (series_for_states(series, aim->cold ? state_start : state_restart) || residuals(series))
         return -1;
     for (int k = 0;
          k < STEPS && (series->gap > aim->gap || series->gradient > aim->gradient || series->pull > aim->pull);
          k++, series->steps++) {
-        if (step(series, fmax(0.3 * aim->gap, shrink * series->gap), &length) || residuals(series))
+        if (step(series, fmax(0.3 * aim->gap, shrink * series->gap)) || residuals(series))
             return -1;
-        shrink = length > 0.9 ? 0.1 : length > 0.6 ? 0.2 : length > 0.3 ? 0.4 : 0.7;
+        shrink = series->length > 0.9 ? 0.1 : series->length > 0.6 ? 0.2 : series->length > 0.3 ? 0.4 : 0.7;
     }
     return isfinite(series->gradient)
                ? 0

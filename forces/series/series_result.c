@@ -35,6 +35,7 @@ static void clean(struct series_state *state)
     }
 }
 
+/* After clean(). */
 static int carries(const struct series_state *state, size_t c)
 {
     return !state->open[c] && state->f[c][0] > 0;
@@ -57,6 +58,8 @@ static int count_fresh(const struct series *series, size_t s, const struct force
     return 0;
 }
 
+/* What one photo brought: its forces, its data, and how well they agree: the squared errors of its lines and equations
+ * over their variances, per datum. */
 static void describe(const struct series *series, size_t s, struct series_photo *photo)
 {
     const struct series_state *state = &series->state[s];
@@ -79,6 +82,7 @@ static void describe(const struct series *series, size_t s, struct series_photo 
     photo->mean = carrying > 0 ? sum / carrying * series->force : 0;
 }
 
+/* The same of all photos, with the shared unknowns' own part |q|^2. */
 static void summarise(const struct series *series, const struct series_loads *loads, struct series_summary *summary)
 {
     double data = 0, misfit = 0;

@@ -10,10 +10,11 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
-enum { PROBES = 6 };
+enum { PROBES = 6 };       /* of the trace */
 #define SOLVED 0.02        /* residual of conjugate gradients */
 #define LEAST_SPREAD 0.005 /* <fn>: what the softness of equilibrium alone leaves */
 
+/* Random numbers by draw, kind (1 equations, 2 lines, 3 beliefs, 4 constants, 7 probes) and state. */
 static uint64_t key_of(uint64_t draw, uint64_t what, uint64_t state)
 {
     return random_bits(random_bits(draw, what), state);
@@ -54,6 +55,7 @@ static int information(struct series *series, struct series_photo *photo)
     return status;
 }
 
+/* Errors of their stated sizes into what the equations leave: the response is the move of the optimum. */
 static void disturb(struct series *series, uint64_t draw, size_t s)
 {
     struct series_state *state = &series->state[s];
@@ -85,6 +87,7 @@ static void collect(const struct series *series, const struct series_state *stat
     }
 }
 
+/* Standard deviations about the forces found, not about the mean of the draws. */
 static int store(const struct series *series, const struct series_state *state, const double (*sums)[2], int draws,
                  struct contact_forces *out)
 {

@@ -1,3 +1,5 @@
+/* One state of a series in memory, and the matrix B of its lines: which of the shared unknowns each overlap feels, and
+ * how much. A unit of an unknown is its standard error, so that B holds kn x d overlap / d error x standard error. */
 #include "forces/series/series_state.h"
 
 #include <stdlib.h>
@@ -85,12 +87,14 @@ int series_state_build(struct series *series, size_t s)
 
 /* ---- what the overlaps say ---- */
 
+/* A standard error that is not known counts as none: such a quantity is exact. */
 static double error_of(const double *column, size_t row)
 {
     double s = column_or_zero(column, row);
     return isfinite(s) && s > 0 ? s : 0;
 }
 
+/* The next entry of contact c in its row of B. */
 static void add(struct series_state *state, size_t c, int *at, long place, double share)
 {
     if (place < 0 || share == 0)
@@ -100,6 +104,7 @@ static void add(struct series_state *state, size_t c, int *at, long place, doubl
     ++*at;
 }
 
+/* m, rms: as asked for, else as in the file. */
 static double shape_error(const struct series *series, const struct grains *grains, size_t k)
 {
     double given = series->series_options->shape;
@@ -213,6 +218,7 @@ void series_add_up(const struct series *series, double *out)
     }
 }
 
+/* What was there up to `from` stays, the rest is 0. */
 static int resize(double **array, size_t size, size_t from)
 {
     double *grown = realloc(*array, (size + 1) * sizeof *grown);

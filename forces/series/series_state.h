@@ -85,6 +85,9 @@ struct series {
     double gradient;     /* largest error of an equation, in <fn> */
     double pull;         /* largest component of `defect` */
     double gap;          /* mean of side times press */
+    double aim;          /* of this step: side times press; below 0: the sides stay as they are */
+    double length;       /* of this step */
+    const double *v;     /* what series_product() multiplies */
 };
 
 /* What a contact without a measurement may carry: wide beliefs that hardly weigh. */
@@ -135,6 +138,15 @@ int series_linearise(struct series *series);
 int series_respond(struct series *series, double share);
 /* V and f0 of a contact. */
 void series_belief(const struct series_state *state, size_t c, double v[2], double *centre);
+/* Work on every state by itself, on all threads when the series is large. What fails first, in the order of the states,
+ * is the error. */
+typedef int series_work(const struct series *series, struct series_state *state);
+int series_for_states(struct series *series, series_work *work);
+/* work += sign A G g, g on the lines of contact c; then, with u = A' solution,
+ * out = lines D g + motion G' u: how the multipliers of contact c's lines react. */
+void series_take(struct series_state *state, size_t c, double sign, const double g[2]);
+void series_react(const struct series_state *state, size_t c, double lines, const double g[2], double motion,
+                  const double u[2], double out[2]);
 /* K^-1 of that state: work -> solution. */
 int series_state_solve(struct series_state *state);
 

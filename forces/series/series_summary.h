@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Options of the method itself; those of every method (law, mass of walls) are in struct force_options. */
 struct series_options {
     double softness;   /* standard error of an equation of equilibrium, in the state's <fn> */
     double shape;      /* m: rms of each grain's unknown rim shape (harmonics 2 to 5); 0: round; NaN: as in the files */
