@@ -18,6 +18,7 @@
 /* One state and where it comes from. */
 struct member {
     const char *path;
+    char *target; /* where its forces go */
     size_t place; /* on the command line */
     struct packing packing;
 };
@@ -28,7 +29,7 @@ static int is_folder(const char *path)
     return !stat(path, &status) && S_ISDIR(status.st_mode);
 }
 
-/* FOLDER/N.forces.hdf for .../N.contacts.hdf; to be freed. */
+/* FOLDER/N.forces.hdf for .../N.contacts.hdf; to be freed. NULL: memory is gone. */
 static char *output_path(const char *folder, const char *input)
 {
     static const char *const endings[] = {".contacts.hdf", ".forces.hdf", ".hdf"};
@@ -42,30 +43,24 @@ static char *output_path(const char *folder, const char *input)
     char *path = malloc(room);
     if (path)
         snprintf(path, room, "%s/%.*s.forces.hdf", folder, (int)length, base);
-    else
-        error_set(EXIT_FAILED, "out of memory: paths");
     return path;
 }
 
 /* Each state has a file of its own to go to. */
-static int check_outputs(const struct series_request *request)
+static int name_targets(const struct series_request *request, struct member *members)
 {
-    int status = 0;
-    for (size_t k = 1; k < request->count && !status; k++) {
-        char *path = output_path(request->output, request->inputs[k]);
-        status = path ? 0 : -1;
-        for (size_t m = 0; m < k && !status; m++) {
-            char *other = output_path(request->output, request->inputs[m]);
-            if (!other)
-                status = -1;
-            else if (!strcmp(path, other))
-                status = error_input("%s: its forces would replace those of %s: rename one", request->inputs[k],
-                                     request->inputs[m]);
-            free(other);
-        }
-        free(path);
+    for (size_t k = 0; k < request->count; k++) {
+        members[k] = (struct member){.path = request->inputs[k], .place = k};
+        members[k].target =
+            is_folder(request->output) ? output_path(request->output, request->inputs[k]) : strdup(request->output);
+        if (!members[k].target)
+            return error_memory("paths");
+        for (size_t m = 0; m < k; m++)
+            if (!strcmp(members[k].target, members[m].target))
+                return error_input("%s: its forces would replace those of %s: rename one", request->inputs[k],
+                                   request->inputs[m]);
     }
-    return status;
+    return 0;
 }
 
 /* By the number of the photo; those without one as they stand on the command line. */
@@ -81,7 +76,6 @@ static int compare_members(const void *a, const void *b)
 static int read_members(const struct series_request *request, struct member *members)
 {
     for (size_t k = 0; k < request->count; k++) {
-        members[k].path = request->inputs[k], members[k].place = k;
         if (packing_read(request->inputs[k], &members[k].packing))
             return -1;
     }
@@ -94,13 +88,13 @@ static int write_member(const struct series_request *request, const struct membe
                         const char *parameters)
 {
     const char **inputs = calloc(request->count + 1, sizeof *inputs);
-    char *path = is_folder(request->output) ? output_path(request->output, members[k].path) : strdup(request->output);
-    int status = inputs && path ? 0 : error_memory("paths");
+    int status = inputs ? 0 : error_memory("paths");
     for (size_t s = 0; s < request->count && !status; s++)
         inputs[s] = members[s].path;
     if (!status)
-        status = forces_write(path, &members[k].packing, request->scene, parameters, inputs, request->count);
-    free(inputs), free(path);
+        status =
+            forces_write(members[k].target, &members[k].packing, request->scene, parameters, inputs, request->count);
+    free(inputs);
     return status;
 }
 
@@ -136,7 +130,7 @@ static int infer_members(const struct series_request *request, struct member *me
 {
     struct series_summary summary = {0};
     const struct packing **packings = calloc(request->count + 1, sizeof *packings);
-    int status = packings ? check_outputs(request) : error_memory("states");
+    int status = packings ? name_targets(request, members) : error_memory("states");
     if (!status)
         status = read_members(request, members);
     for (size_t k = 0; k < request->count && !status; k++)
@@ -167,6 +161,7 @@ int add_series(const struct series_request *request, struct series_outcome *outc
     status = status || infer_members(request, members, forces, outcome) ? -1 : 0;
     for (size_t k = 0; members && forces && k < request->count; k++) {
         packing_free(&members[k].packing);
+        free(members[k].target);
         forces_free(&forces[k]);
     }
     free(members), free(forces);

@@ -1,10 +1,9 @@
 /* Contact elasticity (thesis 2.1.1): the forces of the previous state, or of the overlaps where there is none, moved by
  * the measured relative motions along the contact law, then cut at Coulomb's cone. Equilibrium has no say in it. */
-#include "forces/methods/cem.h"
-
 #include <stdlib.h>
 
 #include "forces/methods/known_forces.h"
+#include "forces/methods/method.h"
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
@@ -72,20 +71,15 @@ static int advance_all(const struct problem *problem, double *f)
     return status;
 }
 
-int cem_forces(const struct problem *problem, double *f)
+static int solve(const struct problem *problem, double *f, struct outcome *outcome)
 {
     const struct packing *previous = problem->options->previous;
+    (void)outcome; /* nothing is iterated */
     if (!elastic_known(&problem->options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
     if (previous ? forces_of_state(problem, previous, CEM_METHOD.name, f) : forces_of_overlaps(problem, f))
         return -1;
     return advance_all(problem, f);
-}
-
-static int solve(const struct problem *problem, double *f, struct outcome *outcome)
-{
-    (void)outcome;
-    return cem_forces(problem, f);
 }
 
 const struct method CEM_METHOD = {.name = "cem",

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "forces/methods/cem.h"
 #include "forces/methods/known_forces.h"
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
@@ -45,7 +44,7 @@ int start_forces(const struct problem *problem, const struct method *method, dou
             f[2 * c] = 1;
         return 0;
     case START_CEM:
-        status = cem_forces(problem, f);
+        status = CEM_METHOD.solve(problem, f, &(struct outcome){0});
         break;
     case START_PREVIOUS:
         status = forces_of_state(problem, options->previous, method->name, f);

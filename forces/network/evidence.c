@@ -118,15 +118,10 @@ struct unknowns {
     int x, y, radius;
 };
 
-/* The standard error of x of a grain: of its reference and of its motion. */
-static double error_x(const struct known_errors *known, size_t k)
+/* The standard error of a grain's place along an axis (S_X or S_Y): of its reference and of its motion. */
+static double error_along(const struct known_errors *known, int axis, size_t k)
 {
-    return hypot(error_of(known, S_X, k), error_of(known, S_X_REF, k));
-}
-
-static double error_y(const struct known_errors *known, size_t k)
-{
-    return hypot(error_of(known, S_Y, k), error_of(known, S_Y_REF, k));
+    return hypot(error_of(known, axis, k), error_of(known, axis + 1, k));
 }
 
 /* Numbers for each grain (place, radius), then for each wall (its offset, as radius); only where there are errors, as
@@ -137,8 +132,8 @@ static void number_errors(const struct packing *packing, const struct known_erro
     const struct grains *g = &packing->grains;
     int next = 0;
     for (size_t k = 0; k < g->count; k++) {
-        body[k].x = error_x(known, k) > 0 ? next++ : -1;
-        body[k].y = error_y(known, k) > 0 ? next++ : -1;
+        body[k].x = error_along(known, S_X, k) > 0 ? next++ : -1;
+        body[k].y = error_along(known, S_Y, k) > 0 ? next++ : -1;
         body[k].radius = error_of(known, S_RADIUS, k) > 0 ? next++ : -1;
     }
     for (size_t w = 0; w < packing->walls.count; w++)
@@ -162,8 +157,8 @@ static void add_grain(const struct packing *packing, const struct known_errors *
                       int *at)
 {
     const struct contacts *contacts = &packing->contacts;
-    add_share(evidence, c, at, body[k].x, sign * stiffness * contacts->nx[row] * error_x(known, k));
-    add_share(evidence, c, at, body[k].y, sign * stiffness * contacts->ny[row] * error_y(known, k));
+    add_share(evidence, c, at, body[k].x, sign * stiffness * contacts->nx[row] * error_along(known, S_X, k));
+    add_share(evidence, c, at, body[k].y, sign * stiffness * contacts->ny[row] * error_along(known, S_Y, k));
     add_share(evidence, c, at, body[k].radius, stiffness * error_of(known, S_RADIUS, k));
 }
 

@@ -34,10 +34,8 @@ static void series_free(struct series *series)
 {
     for (size_t s = 0; series->state && s < series->count; s++)
         series_state_free(&series->state[s]);
-    for (int k = 0; k < 5; k++)
-        free(series->vector[k]);
     sparse_free(series->near);
-    free(series->state), free(series->q), free(series->dq), free(series->diagonal), free(series->defect);
+    free(series->state), free(series->store);
 }
 
 /* Rim shapes cost eight unknowns per grain: only when some rim is not round, as given or as measured. */

@@ -218,31 +218,24 @@ void series_add_up(const struct series *series, double *out)
     }
 }
 
-/* What was there up to `from` stays, the rest is 0. */
-static int resize(double **array, size_t size, size_t from)
-{
-    double *grown = realloc(*array, (size + 1) * sizeof *grown);
-    if (!grown)
-        return error_memory("shared unknowns");
-    *array = grown;
-    for (size_t k = from; k < size; k++)
-        grown[k] = 0;
-    return 0;
-}
-
 int series_shared_resize(struct series *series)
 {
-    size_t n = series->shared.count, from = series->shared.allocated;
+    size_t n = series->shared.count, kept = series->shared.allocated < n ? series->shared.allocated : n;
+    double *store = calloc(9 * n + 1, sizeof *store);
+    if (!store)
+        return error_memory("shared unknowns");
+    if (kept > 0)
+        memcpy(store, series->q, kept * sizeof *store);
+    free(series->store);
     sparse_free(series->near);
-    series->near = NULL;
+    series->near = NULL; /* its pattern has changed */
     series->shared.allocated = n;
+    struct arena arena = {.block = series->store = store};
+    series->q = arena_take(&arena, n), series->dq = arena_take(&arena, n);
+    series->diagonal = arena_take(&arena, n), series->defect = arena_take(&arena, n);
     for (int k = 0; k < 5; k++)
-        if (resize(&series->vector[k], n, 0))
-            return -1;
-    return resize(&series->q, n, from < n ? from : n) || resize(&series->dq, n, 0) || resize(&series->diagonal, n, 0) ||
-                   resize(&series->defect, n, 0)
-               ? -1
-               : 0;
+        series->vector[k] = arena_take(&arena, n);
+    return 0;
 }
 
 double series_stiffness(const struct series *series)

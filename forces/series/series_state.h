@@ -76,6 +76,7 @@ struct series {
     double force;        /* N: the unit, common to all states */
     double stiffness;    /* kn in units per m */
     double s_stiffness;  /* its relative standard error beforehand */
+    double *store;       /* all arrays of shared unknowns below */
     double *q, *dq;      /* the shared unknowns and their step */
     double *defect;      /* sum of B' l, less q: 0 at the optimum */
     double *vector[5];   /* of conjugate gradients */

@@ -67,9 +67,7 @@ static int forget(void **state)
 {
     (void)state;
     series_state_free(series.state);
-    for (int k = 0; k < 5; k++)
-        free(series.vector[k]);
-    free(series.state), free(series.q), free(series.dq), free(series.diagonal), free(series.defect);
+    free(series.state), free(series.store);
     packing_free(&packing);
     return 0;
 }
