@@ -3,7 +3,9 @@
 #include <string.h>
 
 #include "calibration/commands/calibration_commands.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/read_record.h"
 
 static const struct command {
     const char *name, *full_name;
@@ -32,6 +34,7 @@ static void print_help(FILE *out)
 
 int main(int argc, char **argv)
 {
+    read_record_begin();
     if (argc > 1 && !strcmp(argv[1], "--help")) {
         print_help(stdout);
         return EXIT_DONE;
@@ -43,7 +46,9 @@ int main(int argc, char **argv)
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
         if (!strcmp(argv[1], commands[k].name)) {
             program_invocation_short_name = (char *)commands[k].full_name;
-            return commands[k].run(argc - 1, argv + 1);
+            int status = commands[k].run(argc - 1, argv + 1);
+            canvas_forget_fonts();
+            return status;
         }
     fprintf(stderr, "calibration: %s 'calibration --help' lists the commands\n",
             argc > 1 ? "there is no such command:" : "which command?");

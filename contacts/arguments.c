@@ -3,7 +3,8 @@
 #include <errno.h>
 #include <string.h>
 
-#include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
+#include "pipeline/speak/error.h"
 
 enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR, PICTURE };
 
@@ -17,8 +18,10 @@ static const struct argp_option option_list[] = {
     {"radius-scale", RADIUS_SCALE, "X|auto", 0, "Multiply every radius by X (1); auto: found from the overlaps", 0},
     {"radius-offset", RADIUS_OFFSET, "PX|auto", 0, "Add PX pixels to every radius (0); auto: found from the overlaps",
      0},
-    {"picture", PICTURE, "FILE.svg", 0,
-     "Draw the histogram of the overlaps near zero with the fitted density: whether the radii are right", 0},
+    {"picture", PICTURE, "FILE", 0,
+     "Draw the histogram of the overlaps near zero with the fitted density (.svg, .pdf, .png): whether the radii are "
+     "right",
+     0},
     {"repair", REPAIR, NULL, 0,
      "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)", 0},
     {"tolerance", TOLERANCE, "PX", 0,
@@ -52,8 +55,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
             arguments->given.radius_offset_auto = 1;
         return 0;
     case PICTURE:
-        if (!overlap_picture_is_svg(arg))
-            argp_error(state, "--picture %s: no picture of overlaps has this ending: name it .svg", arg);
+        if (canvas_check_path(arg))
+            argp_error(state, "--picture %s", error_message());
         arguments->picture = arg;
         return 0;
     case REPAIR:

@@ -4,8 +4,11 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/packing/loads.h"
+#include "pipeline/packing/packing_file.h"
 
 static int run(const struct arguments *arguments)
 {
@@ -47,7 +50,7 @@ static int run(const struct arguments *arguments)
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
-        contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
+        status = contact_indeterminacy(&scene, &packing, &summary);
     if (status == 0)
         status = contacts_write(arguments, &scene, &photo, &options, &summary, &packing);
     if (status == 0 && arguments->picture)
@@ -69,8 +72,10 @@ static int run(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     struct arguments arguments = ARGUMENTS_NONE;
+    read_record_begin();
     cli_parse(&contacts_argp, argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
+    canvas_forget_fonts();
     return cli_finish(&arguments.cli, status);
 }

@@ -2,6 +2,8 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state.h"
 #include "findgrains/picture/overlay.h"
@@ -168,8 +170,9 @@ int main(int argc, char **argv)
     static const struct argp_child children[] = {CLI_CHILD, {0}};
     static const struct argp parser = {option_table, parse, "PHOTO.tif", doc, children, NULL, NULL};
     struct arguments arguments = {.cli = CLI_DEFAULT};
+    read_record_begin();
     cli_parse(&parser, argc, argv, &arguments);
     int status = cli_finish(&arguments.cli, run(&arguments));
-    overlay_forget_fonts();
+    canvas_forget_fonts();
     return status;
 }

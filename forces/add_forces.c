@@ -14,6 +14,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/packing_file.h"
 
 #define UNBALANCED 0.01 /* <fn>: a grain whose unbalanced force is larger counts */
 

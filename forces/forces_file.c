@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/packing/packing_file.h"
 #include "pipeline/speak/error.h"
 
 int forces_take_in(struct packing *packing, struct forces *forces)

@@ -147,20 +147,11 @@ static double unbalance_of(const struct residuals *residual, size_t k, double ra
     return isnan(force) || isnan(moment) ? NAN : fmax(force, moment); /* hypot(inf, NaN) is inf */
 }
 
-/* <fn>; 0 when nothing pushes. */
-static double mean_pushing(const struct contact_forces *contact)
-{
-    double sum = 0, pushing = 0;
-    for (size_t c = 0; c < contact->count; c++)
-        if (contact->fn[c] > 0)
-            sum += contact->fn[c], pushing++;
-    return pushing > 0 ? sum / pushing : 0;
-}
-
 /* In the mean over the grains whose balance is known; how far the forces are outside their cones. */
 static void sum_up(const struct packing *packing, const struct contact_law *law, struct forces *forces)
 {
-    double mean = mean_pushing(&forces->contact), radius = network_radius(&packing->grains), sum = 0, out = 0;
+    double mean = forces_mean(forces->contact.fn, forces->contact.count, 1, NULL),
+           radius = network_radius(&packing->grains), sum = 0, out = 0;
     size_t known = 0;
     for (size_t k = 0; k < forces->residual.count; k++) {
         double unbalance = unbalance_of(&forces->residual, k, radius);
@@ -172,7 +163,7 @@ static void sum_up(const struct packing *packing, const struct contact_law *law,
         double mu = packing_is_wall(packing, c, &wall) ? law->mu_wall : law->mu, fn = forces->contact.fn[c];
         out = fmax(out, fmax(-fn, fabs(forces->contact.ft[c]) - mu * fn));
     }
-    mean = mean > 0 ? mean : 1;
+    mean = isnan(mean) ? 1 : mean;
     forces->imbalance_mean = known ? sum / (double)known / mean : 0;
     forces->violation = out / mean;
 }
@@ -196,7 +187,9 @@ int infer_forces(const struct packing *packing, const struct force_options *opti
 
 size_t forces_unbalanced_grains(const struct packing *packing, const struct forces *forces, double share)
 {
-    double limit = share * mean_pushing(&forces->contact), radius = network_radius(&packing->grains);
+    double mean = forces_mean(forces->contact.fn, forces->contact.count, 1, NULL),
+           radius = network_radius(&packing->grains);
+    double limit = isnan(mean) ? 0 : share * mean;
     size_t found = 0;
     const uint32_t *flags = packing->grains.flags;
     for (size_t k = 0; k < forces->residual.count; k++) {

@@ -2,7 +2,9 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "simulation/render/render.h"
 #include "simulation/render/render_truth.h"
 
@@ -76,6 +78,7 @@ static const struct argp parser = {
 int main(int argc, char **argv)
 {
     struct options options = {.cli = CLI_DEFAULT};
+    read_record_begin();
     cli_parse(&parser, argc, argv, &options);
     return cli_finish(&options.cli, run(&options));
 }

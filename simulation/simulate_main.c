@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "simulation/series_folder.h"
 #include "simulation/dem/simulate_scene.h"
@@ -64,6 +65,7 @@ int main(int argc, char **argv)
     struct options options = {.cli = CLI_DEFAULT};
     const struct argp_child children[] = {CLI_CHILD, {0}};
     const struct argp argp = {.parser = parse, .doc = doc, .children = children};
+    read_record_begin();
     cli_parse(&argp, argc, argv, &options);
     return cli_finish(&options.cli, run(&options));
 }

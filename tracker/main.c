@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "tracker/track_series.h"
 
@@ -106,6 +107,7 @@ int main(int argc, char **argv)
     const struct argp_child children[] = {CLI_CHILD, {0}};
     const struct argp parser = {option_list, parse, "PHOTO.tif...", help, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT};
+    read_record_begin();
     cli_parse(&parser, argc, argv, &options);
     return cli_finish(&options.cli, run(&options));
 }

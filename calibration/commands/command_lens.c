@@ -5,6 +5,7 @@
 #include "calibration/commands/lens_picture.h"
 #include "calibration/lens/lens_plate.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 
 struct options {
@@ -21,7 +22,7 @@ static const struct argp_option option_list[] = {
     {"radius", KEY_RADIUS, "PX", 0, "Radius of the discs that are followed (default: a sixtieth of the photo)", 0},
     {"search-px", KEY_SEARCH, "PX", 0, "How far the plate may have moved (default 400)", 0},
     {"search-deg", KEY_TURN, "DEG", 0, "How far it may have turned (default 30)", 0},
-    {"picture", KEY_PICTURE, "FILE", 0, "Write what is corrected and what is left as arrows (.svg)", 0},
+    {"picture", KEY_PICTURE, "FILE", 0, "Draw what is corrected and what is left as arrows (.svg, .pdf, .png)", 0},
     {0}};
 
 static const char documentation[] =
@@ -114,7 +115,7 @@ int command_lens(int argc, char **argv)
     struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT},
                               .plate = PLATE_DEFAULT};
     cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
+    int status = cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
     cli_inputs_free(&options.photos);
     return status;
 }

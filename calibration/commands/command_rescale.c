@@ -3,12 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "calibration/commands/law_chart.h"
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/rods/rescale.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { KEY_TANGENTIAL = 0x2200, KEY_INCREMENTS, KEY_METHOD, KEY_PICTURE };
 
@@ -33,7 +34,7 @@ static const struct argp_option option_list[] = {
     {"tangential", KEY_TANGENTIAL, NULL, 0, "Seek k_t too (needs sheared states)", 0},
     {"increments", KEY_INCREMENTS, NULL, 0, "Compare stress changes since the first file, not stresses", 0},
     {"method", KEY_METHOD, "NAME", 0, "Scale this method's forces in forces files", 0},
-    {"picture", KEY_PICTURE, "P.svg", 0, "Rescaled against measured stress as a picture", 0},
+    {"picture", KEY_PICTURE, "FILE", 0, "Rescaled against measured stress as a picture (.svg, .pdf, .png)", 0},
     {0}};
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -96,24 +97,23 @@ static cJSON *describe(const struct rescale *rescale)
     return object;
 }
 
+/* Weber's stress against the measured one, a dot per state, for each component. */
 static int draw(const char *path, const struct rescale *rescale)
 {
     static const char *const names[] = {"xx", "yy", "xy"};
-    double *block = malloc((6 * rescale->count + 1) * sizeof *block);
-    struct chart_curve curves[3];
-    if (!block)
-        return error_memory("picture");
-    for (int c = 0; c < 3; c++) {
-        double *x = block + 2 * (size_t)c * rescale->count, *y = x + rescale->count;
-        for (size_t k = 0; k < rescale->count; k++) {
-            x[k] = rescale->states[k].measured[c];
-            y[k] = rescale->states[k].weber[c];
-        }
-        curves[c] = (struct chart_curve){names[c], x, y, rescale->count, CHART_DOTS};
+    struct chart chart = {.title = "Stress of the contacts", .x_label = "measured", .y_label = "Weber, rescaled"};
+    int status = 0;
+    for (int c = 0; c < 3 && !status; c++) {
+        struct chart_line *line = chart_add(&chart, names[c], rescale->count);
+        status = line ? 0 : -1;
+        for (size_t k = 0; line && k < rescale->count; k++)
+            chart_put(line, rescale->states[k].measured[c], rescale->states[k].weber[c]);
+        if (line)
+            line->scattered = line->unjoined = 1;
     }
-    struct chart_panel panel = {"Stress of the contacts", "measured", "Weber, rescaled", 0, 0, curves, 3};
-    int status = chart_write(path, &panel, 1);
-    free(block);
+    if (!status)
+        status = chart_write(path, &chart, 1, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
+    chart_free(&chart);
     return status;
 }
 
@@ -150,7 +150,7 @@ int command_rescale(int argc, char **argv)
     const struct argp parser = {option_list, parse_option, "FILE.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT};
     cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
+    int status = cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
     cli_inputs_free(&options.files);
     return status;
 }

@@ -28,16 +28,16 @@ static int sample(const struct problem *problem, const double *f, struct spread 
     return status;
 }
 
-const struct method MAP_METHOD = {.name = "map",
-                                  .says = "the most likely admissible forces; the one to use",
-                                  .needs = NEEDS_STIFFNESS,
-                                  .starts = 1,
-                                  .balances = 1,
-                                  .walks = 1,
-                                  .ranges = 1,
-                                  .candidates = CANDIDATES_ALWAYS,
-                                  .margin = 0.01, /* its forces are means over what is possible, which lie inside; no
-                                                     contact law is better known: LEAST_SLACK of evidence.c */
-                                  .doubt = 0,     /* it does not stop near equilibrium */
-                                  .solve = solve,
-                                  .sample = sample};
+const struct method MAP_METHOD = {
+    .name = "map",
+    .says = "the most likely admissible forces; the one to use",
+    .needs = NEEDS_STIFFNESS,
+    .starts = 1,
+    .balances = 1,
+    .walks = 1,
+    .ranges = 1,
+    .candidates = CANDIDATES_ALWAYS,
+    .margin = LEAST_FORCE_ERROR, /* its forces are means over what is possible: they lie inside */
+    .doubt = 0,                  /* it does not stop near equilibrium */
+    .solve = solve,
+    .sample = sample};

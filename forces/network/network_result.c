@@ -55,13 +55,15 @@ int result_store(const struct packing *packing, const struct network *network, d
                  const double *unbalance, struct forces *forces)
 {
     static const char *const names[] = {"fn", "ft", "status", NULL};
-    if (table_alloc(&CONTACT_FORCES, &forces->contact, packing->contacts.count, names) ||
+    double area;
+    if (packing_area(packing, &area) ||
+        table_alloc(&CONTACT_FORCES, &forces->contact, packing->contacts.count, names) ||
         table_alloc(&RESIDUALS, &forces->residual, packing->grains.count, NULL))
         return -1;
     store_contacts(network, margin, f, &forces->contact);
     store_residuals(packing, network, unbalance, &forces->residual);
     memcpy(forces->misfit, network->misfit, sizeof forces->misfit);
-    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, area, forces->stress);
     return 0;
 }
 

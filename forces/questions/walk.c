@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/numbers/random.h"
 
 struct walk {
@@ -46,20 +47,6 @@ static int jump(struct walk *walk, int k)
 
 /* ---- what the states say ---- */
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Between the two values beside it, linearly; two values or more. */
-static double quantile(const double *sorted, size_t count, double share)
-{
-    double at = share * (double)(count - 1);
-    size_t k = (size_t)at < count - 1 ? (size_t)at : count - 2;
-    return sorted[k] + (at - (double)k) * (sorted[k + 1] - sorted[k]);
-}
-
 /* Component `part` (0: fn, 1: ft) of contact c over the states, sorted; its variance. */
 static double gather(const struct walk *walk, size_t c, size_t part, double *values)
 {
@@ -71,7 +58,7 @@ static double gather(const struct walk *walk, size_t c, size_t part, double *val
     }
     for (size_t k = 0; k < walk->count; k++)
         sum += (values[k] - mean) * (values[k] - mean);
-    qsort(values, walk->count, sizeof *values, ascending);
+    sort_values(values, walk->count);
     return sum / (double)(walk->count - 1);
 }
 

@@ -11,7 +11,7 @@
 struct options {
     struct cli cli;
     struct cli_inputs files;
-    struct film film;
+    struct movie film;
 };
 
 enum { KEY_METHOD = 0x2000, KEY_WIDTH };
@@ -57,7 +57,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 static int run(const struct options *options)
 {
     struct scene scene = {0};
-    struct film film = options->film;
+    struct movie film = options->film;
     int result = 0;
     if (options->cli.scene) {
         result = scene_read(options->cli.scene, &scene);
@@ -66,7 +66,7 @@ static int run(const struct options *options)
         film.scene = &scene;
     }
     if (result == 0)
-        result = film_write(&film, options->files.paths, options->files.count, options->cli.output);
+        result = movie_write(&film, options->files.paths, options->files.count, options->cli.output);
     scene_free(&scene);
     return result;
 }
@@ -75,7 +75,7 @@ int command_film(int argc, char **argv)
 {
     const struct argp_child children[] = {CLI_CHILD, {0}};
     const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT, .film = {.width = MAP_WIDTH}};
+    struct options options = {.cli = CLI_DEFAULT, .film = {.width = FORCE_MAP_WIDTH}};
     options.cli.needs = CLI_NEEDS_OUTPUT;
     cli_parse(&parser, argc, argv, &options);
     int status = cli_finish(&options.cli, run(&options));

@@ -78,18 +78,6 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     }
 }
 
-static int draw(struct map *map, const char *path)
-{
-    struct canvas canvas;
-    if (map_measure(map) || canvas_begin(&canvas, path, map->width, map->height))
-        return -1;
-    if (map_draw(map, canvas.cairo)) {
-        canvas_discard(&canvas);
-        return -1;
-    }
-    return canvas_commit(&canvas);
-}
-
 static int read_photo(const char *path, struct photo *photo)
 {
     struct photo_request request = {.channel = PHOTO_GREY_OF_RGB};
@@ -99,23 +87,12 @@ static int read_photo(const char *path, struct photo *photo)
 static int run_photo_side(const struct options *options, const struct loaded *loaded, const char *title)
 {
     struct photo photo = {0};
-    struct canvas canvas;
     struct photo_map map = {.grains = &loaded->grains,
                             .photo = options->photo ? &photo : NULL,
                             .title = title,
                             .width = options->width,
                             .arrows = options->arrows};
-    int result = read_photo(options->photo, &photo) || photo_map_measure(&map) ||
-                         canvas_begin(&canvas, options->cli.output, map.width, map.height)
-                     ? -1
-                     : 0;
-    if (result == 0) {
-        result = photo_map_draw(&map, canvas.cairo);
-        if (result)
-            canvas_discard(&canvas);
-        else
-            result = canvas_commit(&canvas);
-    }
+    int result = read_photo(options->photo, &photo) || photo_map_write(&map, options->cli.output) ? -1 : 0;
     photo_free(&photo);
     return result;
 }
@@ -136,7 +113,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
 {
     struct scene scene = {0};
     struct photo photo = {0};
-    struct map map = {
+    struct force_map map = {
         .packing = &loaded->packing, .width = options->width, .mean_fn = options->mean_fn, .title = title};
     int result = method_choose(&loaded->packing, loaded->path, options->method, &map.forces);
     if (result == 0 && options->photo) {
@@ -145,7 +122,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
         result = read_scene(options, &scene) || read_photo(options->photo, &photo) ? -1 : 0;
     }
     if (result == 0)
-        result = draw(&map, options->cli.output);
+        result = force_map_write(&map, options->cli.output);
     scene_free(&scene);
     photo_free(&photo);
     return result;
@@ -167,7 +144,7 @@ int command_map(int argc, char **argv)
 {
     const struct argp_child children[] = {CLI_CHILD, {0}};
     const struct argp parser = {option_list, parse_option, "STATE.hdf", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT, .width = MAP_WIDTH, .mean_fn = NAN, .arrows = NAN};
+    struct options options = {.cli = CLI_DEFAULT, .width = FORCE_MAP_WIDTH, .mean_fn = NAN, .arrows = NAN};
     options.cli.needs = CLI_NEEDS_OUTPUT;
     cli_parse(&parser, argc, argv, &options);
     int status = cli_finish(&options.cli, run(&options));

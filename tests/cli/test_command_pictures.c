@@ -1,6 +1,7 @@
 /* `report map`, `film`, `histogram` and `page` from outside, on nine discs whose every number is known: what stands in
  * the SVG and in the page, and which pixels of a photo show through. */
 #include "tests/commands.h"
+#include "tests/touch.h"
 #include "tests/lattice.h"
 
 #include <cairo.h>
@@ -52,6 +53,7 @@ static void write_states(void)
     p.grains.flags[0] = GRAIN_RATTLER, p.grains.flags[1] = GRAIN_LOW_ZNCC, p.grains.flags[2] = GRAIN_FLOATING;
     strcpy(p.walls.name[3], "bottom-left"); /* a disc in the place of the left wall */
     p.walls.x0[3] = p.walls.y0[3] = 0, p.walls.radius[3] = 0.004;
+    touch(&p);
     lattice_write(&p, "0002.contacts.hdf", 2);
 }
 
@@ -116,7 +118,7 @@ static void contacts_without_forces_are_lines_too(void **state)
     struct svg_stroke blue[MOST];
     command_done("report map 0002.contacts.hdf --width 1000 --title 'a <title>' -o contacts.svg");
     char *svg = check_svg("contacts.svg");
-    assert_int_equal(svg_strokes(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS);
+    assert_int_equal(svg_strokes(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS + 1); /* with the legend's */
     for (int c = 0; c < LATTICE_CONTACTS; c++)
         check_near(blue[c].width, c == 2 ? 1 : 2, 1e-6);              /* the candidate, dotted */
     assert_int_equal(text_count(svg, "stroke-dasharray"), 1 + 1 + 1); /* the candidate, the rattler, its legend */
