@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/methods/method.h"
+#include "forces/infer_forces.h"
+#include "forces/methods/cdm.h"
 #include "pipeline/numbers/random.h"
 
 static const double HALF = 0.70710678118654752440; /* sin 45 = cos 45 */
