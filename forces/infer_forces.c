@@ -63,20 +63,12 @@ static int judge(const struct problem *problem, const struct method *method, con
     return 0;
 }
 
-/* How the method began: as asked, or by itself: from the previous state where there is one, else from the overlaps. */
-static enum force_start start_of(const struct problem *problem, const struct method *method)
-{
-    if (method->starts)
-        return start_meant(problem->options, problem->packing);
-    return problem->options->previous ? START_PREVIOUS : START_OVERLAP;
-}
-
 static int store(const struct problem *problem, const struct method *method, const double *f,
                  const struct outcome *outcome, const double *unbalance, struct forces *forces)
 {
     const struct contact_law *law = &problem->options->law;
     snprintf(forces->method, sizeof forces->method, "%s", method->name);
-    snprintf(forces->start, sizeof forces->start, "%s", FORCE_STARTS[start_of(problem, method)]);
+    snprintf(forces->start, sizeof forces->start, "%s", FORCE_STARTS[start_meant(problem, method)]);
     forces->iterations = outcome->iterations;
     forces->converged = outcome->converged;
     forces->imbalance = outcome->imbalance;

@@ -161,12 +161,15 @@ static double mean_weight(const struct map *map)
     return count > 0 ? sum / count : 0;
 }
 
-/* Targets of the predictor: far away straight to the boundary, near the end to the weights. */
-static void aim(struct map *map, int far)
+/* Targets: side times press shall be `centre` and no less than the weights (near the end) or 0 (far away: straight to
+ * the boundary). The second-order term of the last step, the predictor's, is taken into account by its share, 0 or 1.
+ */
+static void aim(struct map *map, int far, double centre, double share)
 {
     for (size_t c = 0; c < map->count; c++)
         for (int k = 0; k < sides(map, c); k++)
-            map->target[c][k] = (far ? 0 : map->weight[c]) - map->side[c][k] * map->press[c][k];
+            map->target[c][k] = fmax(centre, far ? 0 : map->weight[c]) - map->side[c][k] * map->press[c][k] -
+                                share * map->dside[c][k] * map->dpress[c][k];
 }
 
 /* How much centring the predictor shows to be needed. */
@@ -180,15 +183,6 @@ static double centring(const struct map *map, double weight)
     double centre = pow(share, 3) * map->gap;
     /* the last step was cut short: away from the boundary first */
     return map->length < 0.3 ? fmax(centre, 0.2 * map->gap) : centre;
-}
-
-/* Targets of the corrector, with the second-order term of the predictor (share 1) or without (0). */
-static void aim_again(struct map *map, double centre, double share)
-{
-    for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < sides(map, c); k++)
-            map->target[c][k] = fmax(centre, map->weight[c]) - map->side[c][k] * map->press[c][k] -
-                                share * map->dside[c][k] * map->dpress[c][k];
 }
 
 /* (y, l) and (side, press) go the same length; the forces follow from the sides. */
@@ -214,15 +208,15 @@ static int advance(struct map *map, double *keep)
     int far = map->gap > FAR * weight;
     memcpy(keep, map->left, (map->dofs + map->count) * sizeof(double));
     compliances(map);
-    aim(map, far);
+    aim(map, far, 0, 0);
     if (map_factorise(map) || solve_step(map, keep))
         return -1;
     double centre = centring(map, far ? 0 : weight), reach = longest(map);
-    aim_again(map, centre, 1);
+    aim(map, 0, centre, 1);
     if (solve_step(map, keep))
         return -1;
     if (longest(map) < 0.5 * reach) { /* the second-order term misleads */
-        aim_again(map, fmax(centre, 0.2 * map->gap), 0);
+        aim(map, 0, fmax(centre, 0.2 * map->gap), 0);
         if (solve_step(map, keep))
             return -1;
     }

@@ -1,6 +1,7 @@
 /* The table of force methods. Rows of the product stand there from the start; a program may add its own at run time. */
 #include "forces/methods/method.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,19 +28,29 @@ int method_find(const char *name, size_t length)
     return -1;
 }
 
-char *method_names(void)
+/* The names, or name: sentence. of every row, with `between` in between. */
+static char *listed(const char *between, int sentences)
 {
     size_t room = 1;
     for (int k = 0; k < count; k++)
-        room += strlen(rows[k]->name) + 1;
-    char *text = calloc(room, 1);
-    for (int k = 0; text && k < count; k++) {
-        strcat(text, k > 0 ? "," : "");
-        strcat(text, rows[k]->name);
-    }
+        room += strlen(rows[k]->name) + strlen(rows[k]->says) + strlen(between) + 3;
+    char *text = calloc(room, 1), *end = text;
+    for (int k = 0; text && k < count; k++)
+        end += snprintf(end, room - (size_t)(end - text), "%s%s%s%s%s", k > 0 ? between : "", rows[k]->name,
+                        sentences ? ": " : "", sentences ? rows[k]->says : "", sentences ? "." : "");
     if (!text)
         error_set(EXIT_FAILED, "out of memory: names of methods");
     return text;
+}
+
+char *method_names(void)
+{
+    return listed(",", 0);
+}
+
+char *method_help(void)
+{
+    return listed(" ", 1);
 }
 
 int method_add(const struct method *row)

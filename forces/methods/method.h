@@ -63,6 +63,8 @@ const struct method *method_row(enum force_method method);
 int method_find(const char *name, size_t length);
 /* The names of all rows, in their order, with commas; to be freed. NULL, with an error: out of memory. */
 char *method_names(void);
+/* "cem: its sentence. cdm: ..." of all rows, for --help; to be freed. NULL, with an error: out of memory. */
+char *method_help(void);
 /* Add a row, which must stay where it is; returns its number, or -1 when the name is taken or the table full. Not while
  * another thread infers forces. */
 int method_add(const struct method *row);

@@ -7,11 +7,14 @@
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
-enum force_start start_meant(const struct force_options *options, const struct packing *packing)
+enum force_start start_meant(const struct problem *problem, const struct method *method)
 {
+    const struct force_options *options = problem->options;
+    if (!method->starts)
+        return options->previous ? START_PREVIOUS : START_OVERLAP;
     if (options->start != START_DEFAULT)
         return options->start;
-    return elastic_known(&options->law) && packing->contacts.overlap ? START_OVERLAP : START_ZERO;
+    return elastic_known(&options->law) && problem->packing->contacts.overlap ? START_OVERLAP : START_ZERO;
 }
 
 /* An iteration may begin anywhere: a force that is not known begins at 0; but it cannot be held. */
@@ -36,7 +39,7 @@ int start_forces(const struct problem *problem, const struct method *method, dou
     const struct force_options *options = problem->options;
     int status = 0;
     memset(f, 0, 2 * problem->network->count * sizeof *f);
-    switch (start_meant(options, problem->packing)) {
+    switch (start_meant(problem, method)) {
     case START_OVERLAP:
         return forces_of_overlaps(problem, f);
     case START_MEAN:

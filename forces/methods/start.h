@@ -5,8 +5,10 @@
 
 #include "forces/methods/method.h"
 
-/* Which start is meant where none was named: the overlaps where they and a stiffness are known, else zero. */
-enum force_start start_meant(const struct force_options *options, const struct packing *packing);
+/* How the method begins: as asked; where nothing was asked, from the overlaps if they and a stiffness are known, else
+ * from zero. A method that begins by itself does so with the previous state where there is one, else with the overlaps.
+ */
+enum force_start start_meant(const struct problem *problem, const struct method *method);
 /* The forces of options->start into f, in working units, all of them numbers. `method`: which of the forces of another
  * state are taken first. */
 int start_forces(const struct problem *problem, const struct method *method, double *f);

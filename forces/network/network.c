@@ -117,17 +117,14 @@ static int masses_known(const struct packing *packing, const struct network *net
 static int fill_masses(const struct packing *packing, double wall_mass, struct network *network)
 {
     const struct grains *g = &packing->grains;
-    double mean = 0;
+    double mean = 0, moving = 0;
     int known = masses_known(packing, network);
     if (known < 0)
         return -1;
     for (size_t k = 0; k < network->grains; k++)
         if (network->grain_dof[k] >= 0)
-            mean += known ? g->mass[k] : g->radius[k] * g->radius[k];
-    size_t moving = 0;
-    for (size_t k = 0; k < network->grains; k++)
-        moving += network->grain_dof[k] >= 0;
-    mean = moving ? mean / (double)moving : 1;
+            mean += known ? g->mass[k] : g->radius[k] * g->radius[k], moving++;
+    mean = moving > 0 ? mean / moving : 1;
     for (size_t k = 0; k < network->grains; k++) {
         long dof = network->grain_dof[k];
         if (dof < 0)

@@ -21,8 +21,7 @@ static int least_squares(const struct network *network, const struct force_optio
     struct evidence evidence = {0};
     struct map map = {0};
     int iterations = 0;
-    double *f = calloc(2 * network->count + 1, sizeof *f);
-    int status = f ? evidence_blank(network, &evidence) : error_memory("certificate");
+    int status = evidence_blank(network, &evidence);
     plain.tolerance = TOLERANCE;
     if (!status)
         status = map_begin(network, &plain, &evidence, &map);
@@ -39,7 +38,6 @@ static int least_squares(const struct network *network, const struct force_optio
     }
     map_free(&map);
     evidence_free(&evidence);
-    free(f);
     return status;
 }
 

@@ -135,6 +135,12 @@ static void the_table_is_whole(void **state)
     assert_non_null(names);
     assert_int_equal(strncmp(names, "cem,cdm,qsm,map,mean", 20), 0);
     free(names);
+    char *help = method_help();
+    assert_non_null(help);
+    assert_int_equal(strncmp(help, "cem: measured motions", 21), 0);
+    assert_non_null(
+        strstr(help, " the one to use. mean: the same force on every contact, which carries the loads in the mean."));
+    free(help);
     for (int k = 0; k < METHOD_COUNT; k++) {
         const struct method *row = method_row((enum force_method)k);
         assert_non_null(row);
