@@ -4,6 +4,7 @@
 
 #include "calibration/commands/calibration_commands.h"
 #include "pipeline/draw/canvas.h"
+#include "pipeline/speak/version.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/read_record.h"
 
@@ -40,7 +41,7 @@ int main(int argc, char **argv)
         return EXIT_DONE;
     }
     if (argc > 1 && !strcmp(argv[1], "--version")) {
-        puts("calibration (film) " FILM_VERSION);
+        printf("calibration (film) %s\n", film_version);
         return EXIT_DONE;
     }
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)

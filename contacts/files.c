@@ -1,9 +1,11 @@
+/* Reading the photo side of a state and writing the network with everything that says how it came about. */
 #include "contacts/files.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
 {

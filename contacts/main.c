@@ -8,6 +8,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/packing/loads.h"
+#include "pipeline/packing/packing_file.h"
 
 static int run(const struct arguments *arguments)
 {
@@ -49,7 +50,7 @@ static int run(const struct arguments *arguments)
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
-        contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
+        status = contact_indeterminacy(&scene, &packing, &summary);
     if (status == 0)
         status = contacts_write(arguments, &scene, &photo, &options, &summary, &packing);
     if (status == 0 && arguments->picture)

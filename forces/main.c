@@ -9,6 +9,7 @@
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
+#include "pipeline/packing/limits.h"
 #include "pipeline/speak/error.h"
 
 struct arguments {
@@ -23,9 +24,6 @@ struct arguments {
 };
 
 enum { METHOD = 256, START, FIX, PREVIOUS, TOLERANCE, ITERATIONS, SAMPLES, WALK, RANGE, STABILITY, FCLIB };
-
-#define MISFIT_NOTED 1.5
-#define OVERLAPS_NOTED 1.4
 
 static const struct argp_option option_list[] = {
     {"method", METHOD, "LIST", 0,
@@ -128,7 +126,7 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 /* Forces can be in equilibrium and yet not what the photos say. */
 static void say_misfit(const struct series_outcome *outcome)
 {
-    if (outcome->misfit > MISFIT_NOTED || outcome->worst_misfit > MISFIT_NOTED)
+    if (outcome->misfit > LIMIT_MISFIT || outcome->worst_misfit > LIMIT_MISFIT)
         fprintf(
             stderr,
             "forces: the photos do not fit together: misfit %.2g of all, %.2g of %s (below 1 where they do): look for "
@@ -140,7 +138,7 @@ static void say_misfit(const struct series_outcome *outcome)
 /* Stresses follow from the loads, whatever the scale: only the overlaps can tell that it is wrong. */
 static void say_overlaps(const struct arguments *arguments, double ratio)
 {
-    if (ratio > OVERLAPS_NOTED || ratio < 1 / OVERLAPS_NOTED)
+    if (ratio > LIMIT_OVERLAPS_OVER_LOADS || ratio < 1 / LIMIT_OVERLAPS_OVER_LOADS)
         fprintf(stderr,
                 "forces: %s: overlaps times k_n are %.2g times the loads: scale_m_per_px, kn_N_per_m or the loads are "
                 "wrong, "

@@ -7,7 +7,7 @@
 
 /* Which methods, in which order; a list like "cem,qsm". */
 struct method_list {
-    enum force_method method[METHOD_COUNT];
+    enum force_method method[METHOD_COUNT + METHODS_ADDED_MOST];
     int count;
 };
 /* 0, or -1 with an error that lists the methods; no method may stand there twice. */

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "pipeline/speak/version.h"
 #include "pipeline/speak/error.h"
 #include "report/commands/report_commands.h"
 
@@ -36,7 +37,7 @@ int main(int argc, char **argv)
         return EXIT_DONE;
     }
     if (argc > 1 && !strcmp(argv[1], "--version")) {
-        puts("report (film) " FILM_VERSION);
+        printf("report (film) %s\n", film_version);
         return EXIT_DONE;
     }
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)

@@ -7,7 +7,7 @@
 #include "calibration/rods/friction.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { KEY_FORCES = 0x2300 };
 

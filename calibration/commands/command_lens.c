@@ -3,6 +3,7 @@
 
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/commands/lens_picture.h"
+#include "calibration/lens/lens_fit.h"
 #include "calibration/lens/lens_plate.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/draw/canvas.h"

@@ -9,6 +9,7 @@
 #include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { KEY_TANGENTIAL = 0x2200, KEY_INCREMENTS, KEY_METHOD, KEY_PICTURE };
 

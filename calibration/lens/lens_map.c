@@ -1,7 +1,10 @@
-/* What a difference of lenses looks like in the photo. */
-#include "calibration/lens/lens_model.h"
+/* Two lenses that differ by a shift, a rotation or a scale show the same world: such a part of a difference is taken
+ * out (least squares over a grid of points) before the rest is measured. */
+#include "calibration/lens/lens_map.h"
 
 #include <string.h>
+
+#include "pipeline/numbers/dense.h"
 
 enum { MAP_STEPS = 12 };
 
@@ -61,7 +64,7 @@ double map_error(const struct problem *problem, const double *q, double covarian
     struct vec place[MAP_POINTS], slopes[MAP_POINTS][LENS_UNKNOWNS], field[MAP_POINTS];
     double factor[LENS_UNKNOWNS * LENS_UNKNOWNS], total = 0, most;
     memcpy(factor, covariance, sizeof factor);
-    if (!factorise(factor, LENS_UNKNOWNS))
+    if (dense_factorise(factor, LENS_UNKNOWNS, LENS_UNKNOWNS, 0))
         return NAN;
     map_places(problem->points->width, problem->points->height, place);
     for (int k = 0; k < MAP_POINTS; k++)

@@ -1,10 +1,13 @@
+/* How far to look. Statistics need the density of gaps beside the pile-up of contacts: a window of some errors of an
+ * overlap, or a share of a radius where errors are small. Single pairs need more: those of the worst measured grains,
+ * whose overlaps may still be contacts. */
 #include "contacts/network/near_pairs.h"
 
 #include <stdlib.h>
 
 #include "contacts/network/cell_list.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 #define WINDOW_OF_RADIUS 0.02 /* gaps up to this share of the median radius tell the density of gaps */
 #define WINDOW_OF_ERROR 6.0   /* standard errors that the window must hold to see the density's shape */

@@ -1,9 +1,15 @@
 /* Tukey's biweight (Beaton and Tukey, Technometrics 16 (1974) 147) by iterated weighted least squares; standard errors
  * of M-estimators (Huber, Robust Statistics (1981), section 7.6). Sectors differ in their formal variance (short
- * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
+ * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness.
+ *
+ * The shifts y_k of sectors at theta_k are fitted by dR + dx cos + dy sin (+ dc cos 2 + ds sin 2), with weights trust_k
+ * w(r_k / sigma_k) / sigma_k^2, sigma_k^2 = formal_k + tau^2, w(t) = (1 - (t / c)^2)^2 inside c and 0 outside, after a
+ * first round without w. tau^2 is what the median of |r| says beyond the formal variances. The covariance is the
+ * sandwich D^-1 M D^-1 with D = sum of psi' x x', M = sum of psi^2 x x', and n / (n - p) for the parameters. */
 #include "findgrains/rims/refine_circle.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/dense.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>
@@ -15,6 +21,7 @@ enum { TERMS = 5, ROUNDS = 6, LAGS = 8 };
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
 #define CHANCE 0.5
 #define MOST_TRUST 1.5
+#define SINGULAR 1e-9
 
 struct fit {
     struct sector *sectors; /* all of them, used or not */
@@ -50,12 +57,13 @@ static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey
     return 0;
 }
 
-static double median_over(struct fit *fit, size_t member)
+/* Median over the sectors in use of a number that stands `apart` bytes behind that of the sector before. */
+static double median_of_used(struct fit *fit, const double *first, size_t apart)
 {
     size_t n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
-            fit->scratch[n++] = *(const double *)(const void *)((const char *)&fit->sectors[k] + member);
+            fit->scratch[n++] = *(const double *)(const void *)((const char *)first + (size_t)k * apart);
     return median_of(fit->scratch, n);
 }
 
@@ -64,8 +72,8 @@ static double median_over(struct fit *fit, size_t member)
  * the rim); weights in proportion to the step make of the mean of quotients a quotient of sums, which does not lean. */
 static double set_variances(struct fit *fit)
 {
-    double noise2 = fmax(median_over(fit, offsetof(struct sector, residual)), 1e-12);
-    double step = median_over(fit, offsetof(struct sector, step));
+    double noise2 = fmax(median_of_used(fit, &fit->sectors->residual, sizeof *fit->sectors), 1e-12);
+    double step = median_of_used(fit, &fit->sectors->step, sizeof *fit->sectors);
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         double share = sector->used ? sector->step / step : 1;
@@ -73,34 +81,6 @@ static double set_variances(struct fit *fit)
         fit->trust[k] = fmin(share, MOST_TRUST);
     }
     return sqrt(noise2);
-}
-
-/* Invert a symmetric positive definite matrix of the first n rows; 0 when it is not. */
-static int invert(int n, double m[TERMS][TERMS], double inverse[TERMS][TERMS])
-{
-    double work[TERMS][2 * TERMS] = {{0}};
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++)
-            work[i][j] = m[i][j];
-        work[i][n + i] = 1;
-    }
-    for (int i = 0; i < n; i++) {
-        double pivot = work[i][i];
-        if (!(pivot > 1e-9 * m[i][i]))
-            return 0;
-        for (int j = 0; j < 2 * n; j++)
-            work[i][j] /= pivot;
-        for (int k = 0; k < n; k++) {
-            double factor = work[k][i];
-            if (k != i)
-                for (int j = i; j < 2 * n; j++)
-                    work[k][j] -= factor * work[i][j];
-        }
-    }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            inverse[i][j] = work[i][n + j];
-    return 1;
 }
 
 static double tukey_weight(double t, double tukey)
@@ -117,7 +97,7 @@ static double tukey_slope(double t, double tukey)
 
 static int weighted_step(struct fit *fit, int robust)
 {
-    double m[TERMS][TERMS] = {{0}}, right[TERMS] = {0}, inverse[TERMS][TERMS];
+    double inverse[TERMS][TERMS] = {{0}}, right[TERMS] = {0};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -128,10 +108,10 @@ static int weighted_step(struct fit *fit, int robust)
         for (int i = 0; i < fit->terms; i++) {
             right[i] += weight * row[i] * fit->sectors[k].shift;
             for (int j = 0; j < fit->terms; j++)
-                m[i][j] += weight * row[i] * row[j];
+                inverse[i][j] += weight * row[i] * row[j];
         }
     }
-    if (!invert(fit->terms, m, inverse))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     for (int i = 0; i < fit->terms; i++) {
         fit->parameters[i] = 0;
@@ -151,15 +131,6 @@ static void set_residuals(struct fit *fit)
     }
 }
 
-static double median_variance(struct fit *fit)
-{
-    size_t n = 0;
-    for (int k = 0; k < fit->count; k++)
-        if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->variance[k];
-    return median_of(fit->scratch, n);
-}
-
 /* Robust standard deviation of the residuals; sets the shared variance tau^2. */
 static double set_scatter(struct fit *fit, double formal2)
 {
@@ -176,7 +147,7 @@ static double set_scatter(struct fit *fit, double formal2)
 /* D^-1 (sum b^2 psi^2 x x') D^-1 n / (n - p), D = sum b psi' x x'. */
 static int set_covariance(struct fit *fit)
 {
-    double slope[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}}, inverse[TERMS][TERMS];
+    double inverse[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -186,11 +157,11 @@ static int set_covariance(struct fit *fit)
         const double *row = fit->row + (size_t)k * TERMS;
         for (int i = 0; i < fit->terms; i++)
             for (int j = 0; j < fit->terms; j++) {
-                slope[i][j] += d * row[i] * row[j];
+                inverse[i][j] += d * row[i] * row[j];
                 meat[i][j] += e * row[i] * row[j];
             }
     }
-    if (!invert(fit->terms, slope, inverse))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     double spare = (double)fit->used / (fit->used - fit->terms);
     for (int i = 0; i < fit->terms; i++)
@@ -222,16 +193,13 @@ static void add_lags(const struct fit *fit, struct refined *refined)
 static void describe(struct fit *fit, struct refined *refined)
 {
     int near = 0, hidden = 0;
-    size_t n = 0;
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         hidden += sector->hidden;
-        if (!sector->used)
-            continue;
-        near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
-        fit->scratch[n++] = sector->blur_error;
+        if (sector->used)
+            near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
     }
-    refined->blur_error = median_of(fit->scratch, n);
+    refined->blur_error = median_of_used(fit, &fit->sectors->blur_error, sizeof *fit->sectors);
     refined->support = (double)near / fit->count;
     refined->hidden = (double)hidden / fit->count;
     refined->s_radius = sqrt(fit->covariance[0][0]);
@@ -260,7 +228,7 @@ static void move(const struct fit *fit, double damping, struct refined *refined)
 static int fit_curve(struct fit *fit, struct refined *refined)
 {
     refined->noise = set_variances(fit);
-    double formal2 = median_variance(fit);
+    double formal2 = median_of_used(fit, fit->variance, sizeof *fit->variance);
     refined->formal = sqrt(formal2);
     if (!weighted_step(fit, 0))
         return 0;

@@ -4,28 +4,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/numbers/golden.h"
 #include "forces/network/network.h"
 #include "pipeline/speak/error.h"
 
 #define RANGE 1.6        /* kn is sought between given / RANGE and given * RANGE */
+#define PRECISE 6.8e-7   /* of that range, in log kn: 30 sections */
 #define LEAST_RANGE 1.03 /* of the loads: else kn is not sought */
 #define SCATTER 0.01 /* of a state's virial from overlaps: contacts that open and close, errors that do not repeat */
 
 /* One state: its overlaps with their branches, and the virial of its loads. */
 struct balance {
     size_t count;
-    double *overlap, *length, *radii; /* m, m, and how many radii the overlap has: 2, or 1 at a wall */
-    double virial;                    /* N m; NaN: reactions unknown */
-    double force;                     /* N: the network's unit */
+    struct line {
+        double overlap, length; /* m */
+        double radii;           /* how many radii the overlap has: 2, or 1 at a wall */
+    } * line;
+    double virial; /* N m; NaN: reactions unknown */
+    double force;  /* N: the network's unit */
 };
 
 static void balances_free(struct balance *balance, size_t count)
 {
     for (size_t s = 0; balance && s < count; s++)
-        free(balance[s].overlap), free(balance[s].length), free(balance[s].radii);
+        free(balance[s].line);
     free(balance);
 }
 
+/* From the network of that state, with its candidates. */
 static int balance_read(const struct packing *packing, const struct force_options *options, struct balance *balance)
 {
     struct network network;
@@ -33,17 +39,15 @@ static int balance_read(const struct packing *packing, const struct force_option
     if (network_build(packing, &options->law, &network_options, &network))
         return -1;
     balance->count = network.count;
-    balance->overlap = calloc(network.count + 1, sizeof(double));
-    balance->length = calloc(network.count + 1, sizeof(double));
-    balance->radii = calloc(network.count + 1, sizeof(double));
+    balance->line = calloc(network.count + 1, sizeof *balance->line);
     balance->virial = network.virial * network.force * network.radius;
     balance->force = network.force;
-    int status = balance->overlap && balance->length && balance->radii ? 0 : error_memory("loads of the series");
+    int status = balance->line ? 0 : error_memory("loads of the series");
     for (size_t c = 0; c < network.count && !status; c++) {
         size_t row = network.contact[c].row, w;
-        balance->overlap[c] = packing->contacts.overlap[row];
-        balance->length[c] = network.contact[c].length * network.radius;
-        balance->radii[c] = packing_is_wall(packing, row, &w) ? 1 : 2;
+        balance->line[c] = (struct line){.overlap = packing->contacts.overlap[row],
+                                         .length = network.contact[c].length * network.radius,
+                                         .radii = packing_is_wall(packing, row, &w) ? 1 : 2};
     }
     network_free(&network);
     return status;
@@ -54,18 +58,19 @@ static double overlap_virial(const struct balance *balance, double offset)
 {
     double sum = 0;
     for (size_t c = 0; c < balance->count; c++)
-        sum += fmax(0, balance->overlap[c] - balance->radii[c] * offset) * balance->length[c];
+        sum += fmax(0, balance->line[c].overlap - balance->line[c].radii * offset) * balance->line[c].length;
     return sum;
 }
 
-/* Its sum over all states whose loads are known falls with the offset. */
+/* The offset at which overlaps times kn carry the loads, by halving: the sum of their virials over all states whose
+ * loads are known falls with the offset. 0: no loads are known. */
 static double find_offset(const struct balance *balance, size_t count, double kn)
 {
     double low = 0, high = 0, aim = 0;
     for (size_t s = 0; s < count; s++)
         for (size_t c = 0; c < balance[s].count; c++) {
-            low = fmin(low, balance[s].overlap[c]);
-            high = fmax(high, balance[s].overlap[c]);
+            low = fmin(low, balance[s].line[c].overlap);
+            high = fmax(high, balance[s].line[c].overlap);
         }
     for (size_t s = 0; s < count; s++)
         aim += isfinite(balance[s].virial) ? balance[s].virial / kn : 0;
@@ -85,7 +90,7 @@ static double largest_force(const struct balance *balance, size_t count, double 
     for (size_t s = 0; s < count; s++) {
         double length = 0;
         for (size_t c = 0; c < balance[s].count; c++)
-            length += balance[s].overlap[c] > balance[s].radii[c] * offset ? balance[s].length[c] : 0;
+            length += balance[s].line[c].overlap > balance[s].line[c].radii * offset ? balance[s].line[c].length : 0;
         double force = isfinite(balance[s].virial) && length > 0 ? balance[s].virial / length : balance[s].force;
         largest = fmax(largest, force);
     }
@@ -106,22 +111,24 @@ static double disagreement(const struct balance *balance, size_t count, double k
     return whole > 0 ? sqrt(sum / whole) : 0;
 }
 
-/* Golden section in log kn (Kiefer 1953). */
+struct balances {
+    const struct balance *balance;
+    size_t count;
+};
+
+/* golden_section() in log kn: the range is a ratio. */
+static double disagreement_at(double log_stiffness, void *user)
+{
+    const struct balances *balances = user;
+    double offset;
+    return disagreement(balances->balance, balances->count, exp(log_stiffness), &offset);
+}
+
 static double best_stiffness(const struct balance *balance, size_t count, double given)
 {
-    const double golden = 0.6180339887498949;
-    double low = log(given / RANGE), high = log(given * RANGE), offset;
-    double a = high - golden * (high - low), b = low + golden * (high - low);
-    double at_a = disagreement(balance, count, exp(a), &offset), at_b = disagreement(balance, count, exp(b), &offset);
-    for (int k = 0; k < 30; k++)
-        if (at_a < at_b) {
-            high = b, b = a, at_b = at_a;
-            at_a = disagreement(balance, count, exp(a = high - golden * (high - low)), &offset);
-        } else {
-            low = a, a = b, at_a = at_b;
-            at_b = disagreement(balance, count, exp(b = low + golden * (high - low)), &offset);
-        }
-    return exp(0.5 * (low + high));
+    struct balances balances = {balance, count};
+    double low = log(given / RANGE), high = log(given * RANGE);
+    return exp(golden_section(disagreement_at, &balances, low, high, PRECISE * (high - low)));
 }
 
 /* Largest over smallest virial; 1 with fewer than two known ones. */

@@ -1,3 +1,4 @@
+#include "pipeline/speak/version.h"
 #include "pipeline/command/cli.h"
 
 #include <errno.h>
@@ -127,7 +128,7 @@ void cli_parse(const struct argp *argp, int argc, char **argv, void *input)
     static char version[100];
     clock_gettime(CLOCK_MONOTONIC, &begin);
     argv[0] = program_invocation_short_name;
-    snprintf(version, sizeof version, "%.60s (film) " FILM_VERSION, argv[0]);
+    snprintf(version, sizeof version, "%.60s (film) %s", argv[0], film_version);
     argp_program_version = version;
     argp_err_exit_status = EXIT_USAGE;
     new_file_remove_on_signals();

@@ -16,6 +16,9 @@
 /* What Coulomb says of a contact; the column `status` of /forces/METHOD. */
 enum contact_status { STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2, STATUS_NOT_USED = 3 };
 
+/* No law is better known than this: share of <fn> that is the least error of a force from an overlap. */
+#define LEAST_FORCE_ERROR 0.01
+
 /* A law with its numbers. Numbers that the law does not have are NaN. */
 struct contact_law {
     const struct law *row; /* NULL: linear_law */

@@ -59,13 +59,12 @@ static double flat_force(const struct contact_pair *pair, double overlap)
 
 static struct contact_pair rough_pair(const struct contact_law *law, double radius)
 {
-    const double pi = 3.141592653589793;
     struct contact_pair pair = smooth_pair(law, radius);
     double modulus = plane_modulus(law), a = 0.2567 * law->fractal, h = law->roughness;
     pair.exponent = a;
-    pair.area = 0.75 * pow(pi, 1.5) * radius * h * pow(20 / (pow(pi, 1.5) * law->fractal), 1 / a);
-    pair.threshold = 4 * modulus / (3 * radius) * pow(pair.area / pi, 1.5);
-    pair.factor = pi / 10 * law->fractal * modulus * sqrt(pair.area) * pow(h * modulus * sqrt(pair.area), -a);
+    pair.area = 0.75 * pow(M_PI, 1.5) * radius * h * pow(20 / (pow(M_PI, 1.5) * law->fractal), 1 / a);
+    pair.threshold = 4 * modulus / (3 * radius) * pow(pair.area / M_PI, 1.5);
+    pair.factor = M_PI / 10 * law->fractal * modulus * sqrt(pair.area) * pow(h * modulus * sqrt(pair.area), -a);
     pair.threshold_overlap = pow(pair.threshold, 1 - a) / ((1 - a) * pair.factor);
     return pair;
 }

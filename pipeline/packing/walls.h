@@ -35,11 +35,24 @@ static inline struct vec wall_direction(const struct walls *walls, size_t w)
     return vec_unit(vec(walls->x1[w] - walls->x0[w], walls->y1[w] - walls->y0[w]));
 }
 
+/* Middle of a segment, centre of a disc. */
+static inline struct vec wall_middle(const struct walls *walls, size_t w)
+{
+    return vec(0.5 * (walls->x0[w] + walls->x1[w]), 0.5 * (walls->y0[w] + walls->y1[w]));
+}
+
 /* Unit normal of a segment, pointing into the specimen. */
 static inline struct vec wall_inward(const struct walls *walls, size_t w)
 {
     return vec_turn(wall_direction(walls, w));
 }
+
+/* Load on a segment along its inward normal, N; NaN: not given, the wall is fixed, or a disc. A component at right
+ * angles to the normal may be missing. */
+double wall_load(const struct walls *walls, size_t w);
+/* Does wall w move along its normal? Its load there is given, and it is no reaction: of opposite walls that are both
+ * loaded, which could drift away together, left and bottom bear what is needed for the balance. */
+int wall_moves(const struct walls *walls, size_t w);
 
 /* Row of the wall of that name, or -1. */
 long walls_find(const struct walls *walls, const char *name);

@@ -1,3 +1,7 @@
+/* The page from its parts, in the order in which a reader asks: is something wrong, is it right (where a truth is
+ * known), what happened, how well was it seen, the numbers, the last state, the pictures, the files. Everything is
+ * inside the file, charts as SVG and maps as PNG; a policy in its head forbids the browser to load anything else, so
+ * that a page from somebody else is harmless. */
 #include "report/page/page.h"
 
 #include <math.h>
@@ -5,6 +9,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
 #include "report/pictures/page_picture.h"
 

@@ -1,4 +1,6 @@
-/* Forces between states, and the last state's contacts: distribution and directions. */
+/* Forces between states, and the last state's contacts: distribution and directions. Persistence is Pearson's r between
+ * the forces of two neighbouring states over the contacts that both have: near 1 while the network holds, low where it
+ * was rearranged. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +9,7 @@
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
 #include "report/pictures/rose.h"
+#include "pipeline/packing/packing_file.h"
 
 /* ---- persistence (thesis Fig. 4.28) ---- */
 

@@ -174,14 +174,7 @@ static double mean_radius(const struct grains *grains)
 
 double force_map_mean_fn(const struct forces *forces)
 {
-    double sum = 0;
-    size_t loaded = 0;
-    for (size_t c = 0; c < forces->contact.count; c++)
-        if (forces->contact.fn[c] > 0) {
-            sum += forces->contact.fn[c];
-            loaded++;
-        }
-    return loaded ? sum / (double)loaded : NAN;
+    return forces_mean(forces->contact.fn, forces->contact.count, 1, NULL);
 }
 
 double force_map_unit_fn(const struct force_map *map)

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "pipeline/packing/stress.h"
+#include "pipeline/packing/structure.h"
 #include "pipeline/draw/axis.h"
 #include "pipeline/draw/legend.h"
 #include "report/pictures/force_map.h"
@@ -15,7 +15,7 @@ static void legend_title(const struct force_map *map, struct canvas *canvas, dou
     const struct state_info *info = &map->packing->info;
     struct fabric fabric;
     words_within(canvas, x, y + 22 * u, width, 19 * u, 1, map->title ? map->title : "");
-    packing_fabric(map->packing, &fabric);
+    packing_fabric(map->packing, NAN, &fabric);
     snprintf(text, sizeof text, "%zu grains, %zu rattlers", map->packing->grains.count, fabric.rattlers);
     words_within(canvas, x, y + 46 * u, width, 15 * u, 0, text);
     snprintf(text, sizeof text, "%zu contacts, z = %.2f", fabric.contacts, fabric.z);

@@ -13,6 +13,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/speak/progress.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
 #include "report/states/method_choice.h"
 

@@ -1,3 +1,5 @@
+/* Reading the scene's section "optics". What it does not name stays at OPTICS_DEFAULT; unknown keys and numbers outside
+ * their ranges are refused with line and column (pipeline/files/json.h). */
 #include "simulation/render/optics.h"
 
 #include <stdlib.h>
@@ -68,61 +70,51 @@ static int read_plain(const struct json *json, const cJSON *optics, const char *
     return json_check_keys(json, object, keys) ? -1 : read_surface(json, object, surface);
 }
 
-static int read_rings(const struct json *json, const cJSON *grain, struct optics *optics)
+/* A number of a section: where it goes, and its range. */
+struct number {
+    const char *key;
+    double min, max, *to;
+};
+enum { NUMBERS_MOST = 8 };
+
+/* The object `name` of the parent, which has these numbers, each of which may be missing, and no other key. 1 when it
+ * is there, 0 when not, -1 for an error. */
+static int read_numbers_of(const struct json *json, const cJSON *parent, const char *name, const struct number *numbers,
+                           size_t count)
 {
-    static const char *const keys[] = {"spacing_px", "contrast", NULL};
-    const cJSON *rings = NULL;
-    int there = json_object(json, grain, "rings", &rings);
+    const char *keys[NUMBERS_MOST + 1] = {NULL};
+    const cJSON *object = NULL;
+    int there = json_object(json, parent, name, &object);
     if (there < 1)
         return there;
-    if (json_check_keys(json, rings, keys) ||
-        json_number(json, rings, "spacing_px", 1, 1000, &optics->ring_spacing) < 0 ||
-        json_number(json, rings, "contrast", 0, 1, &optics->ring_contrast) < 0)
+    for (size_t k = 0; k < count; k++)
+        keys[k] = numbers[k].key;
+    if (json_check_keys(json, object, keys))
         return -1;
-    if (optics->ring_contrast > 0 && optics->ring_spacing <= 0)
-        return json_error(json, rings, "rings need spacing_px");
-    return 0;
+    for (size_t k = 0; k < count; k++)
+        if (json_number(json, object, numbers[k].key, numbers[k].min, numbers[k].max, numbers[k].to) < 0)
+            return -1;
+    return 1;
 }
 
-static int read_bevel(const struct json *json, const cJSON *grain, struct optics *optics)
+/* What the faces of the rods look like beside their paint. */
+static int read_looks(const struct json *json, const cJSON *grain, struct optics *optics)
 {
-    static const char *const keys[] = {"width_px", "depth", NULL};
-    const cJSON *bevel = NULL;
-    int there = json_object(json, grain, "bevel", &bevel);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, bevel, keys) ||
-        json_number(json, bevel, "width_px", 0.1, 100, &optics->bevel_width) < 0 ||
-        json_number(json, bevel, "depth", 0, 1, &optics->bevel_depth) < 0)
-        return -1;
-    return 0;
-}
-
-static int read_line(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"share", "width_px", "level", NULL};
-    const cJSON *line = NULL;
-    int there = json_object(json, grain, "lines", &line);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, line, keys) || json_number(json, line, "share", 0, 1, &optics->line_share) < 0 ||
-        json_number(json, line, "width_px", 0.1, 100, &optics->line_width) < 0 ||
-        json_number(json, line, "level", 0, 2, &optics->line_level) < 0)
-        return -1;
-    return 0;
-}
-
-static int read_flank(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"parallax", "level", NULL};
-    const cJSON *flank = NULL;
-    int there = json_object(json, grain, "flank", &flank);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, flank, keys) || json_number(json, flank, "parallax", 0, 0.2, &optics->parallax) < 0 ||
-        json_number(json, flank, "level", 0, 2, &optics->flank_level) < 0)
-        return -1;
-    return 0;
+    const struct number rings[] = {{"spacing_px", 1, 1000, &optics->ring_spacing},
+                                   {"contrast", 0, 1, &optics->ring_contrast}};
+    const struct number bevel[] = {{"width_px", 0.1, 100, &optics->bevel_width}, {"depth", 0, 1, &optics->bevel_depth}};
+    const struct number lines[] = {{"share", 0, 1, &optics->line_share},
+                                   {"width_px", 0.1, 100, &optics->line_width},
+                                   {"level", 0, 2, &optics->line_level}};
+    const struct number flank[] = {{"parallax", 0, 0.2, &optics->parallax}, {"level", 0, 2, &optics->flank_level}};
+    int there = read_numbers_of(json, grain, "rings", rings, 2);
+    if (there > 0 && optics->ring_contrast > 0 && optics->ring_spacing <= 0)
+        return json_error(json, cJSON_GetObjectItemCaseSensitive(grain, "rings"), "rings need spacing_px");
+    return there < 0 || read_numbers_of(json, grain, "bevel", bevel, 2) < 0 ||
+                   read_numbers_of(json, grain, "lines", lines, 3) < 0 ||
+                   read_numbers_of(json, grain, "flank", flank, 2) < 0
+               ? -1
+               : 0;
 }
 
 static int read_labels(const struct json *json, const cJSON *section, struct optics *optics)
@@ -160,40 +152,26 @@ static int read_grain(const struct json *json, const cJSON *section, struct opti
         json_number(json, grain, "spread", 0, 0.5, &optics->grain.spread) < 0 ||
         json_number(json, grain, "ellipticity", 0, 0.2, &optics->ellipticity) < 0)
         return -1;
-    return read_rings(json, grain, optics) || read_bevel(json, grain, optics) || read_line(json, grain, optics) ||
-                   read_flank(json, grain, optics)
-               ? -1
-               : 0;
+    return read_looks(json, grain, optics);
 }
 
 static int read_noise(const struct json *json, const cJSON *section, struct optics *optics)
 {
-    static const char *const keys[] = {"read", "shot", NULL};
-    const cJSON *noise = NULL;
-    int there = json_object(json, section, "noise", &noise);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, noise, keys) || json_number(json, noise, "read", 0, 1, &optics->read_noise) < 0 ||
-        json_number(json, noise, "shot", 0, 1, &optics->shot_noise) < 0)
-        return -1;
-    return 0;
+    const struct number noise[] = {{"read", 0, 1, &optics->read_noise}, {"shot", 0, 1, &optics->shot_noise}};
+    return read_numbers_of(json, section, "noise", noise, 2) < 0 ? -1 : 0;
 }
 
 static int read_camera(const struct json *json, const cJSON *section, struct view *wander)
 {
-    static const char *const keys[] = {"shift_px", "angle_rad", "zoom", "blur_px", "brightness", NULL};
-    const cJSON *camera = NULL;
-    int there = json_object(json, section, "camera", &camera);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, camera, keys) || json_number(json, camera, "shift_px", 0, 1000, &wander->dx) < 0 ||
-        json_number(json, camera, "angle_rad", 0, 0.1, &wander->angle) < 0 ||
-        json_number(json, camera, "zoom", 0, 0.1, &wander->zoom) < 0 ||
-        json_number(json, camera, "blur_px", 0, 5, &wander->blur) < 0 ||
-        json_number(json, camera, "brightness", 0, 0.2, &wander->brightness) < 0)
-        return -1;
-    wander->dy = wander->dx;
-    return 0;
+    const struct number camera[] = {{"shift_px", 0, 1000, &wander->dx},
+                                    {"angle_rad", 0, 0.1, &wander->angle},
+                                    {"zoom", 0, 0.1, &wander->zoom},
+                                    {"blur_px", 0, 5, &wander->blur},
+                                    {"brightness", 0, 0.2, &wander->brightness}};
+    int there = read_numbers_of(json, section, "camera", camera, 5);
+    if (there > 0)
+        wander->dy = wander->dx;
+    return there < 0 ? -1 : 0;
 }
 
 static int read_numbers(const struct json *json, const cJSON *section, struct optics *optics)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 #include "tests/pressed_rods.h"
 
 /* ---- stiffness ---- */

@@ -10,6 +10,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/draw/canvas.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/compare/compare.h"
 #include "report/pictures/movie.h"
 #include "report/pictures/force_map.h"

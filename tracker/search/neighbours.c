@@ -1,114 +1,91 @@
+/* The nearest grains are those that a grain leans on or nearly so: they move alike but for their own rolling. A median
+ * of their motions is not moved by up to half of them being wrong. Nearest others are found in cells of a grid, in ever
+ * wider squares until the eighth lies within the square. */
 #include "tracker/search/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "pipeline/numbers/cell_grid.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
 
-/* Targets sorted into square cells. */
-struct cells {
-    double x0, y0, size;
-    int columns, rows;
-    long *first, *next; /* list of each cell, ends with -1 */
-};
-
-static int cell_of(double x, double x0, double size, int cells)
+/* Square cells that hold some three targets each; *span: no two are further apart. */
+static int grid_of(const struct target *targets, size_t count, struct cell_grid *grid, double *span)
 {
-    int k = (int)((x - x0) / size);
-    return k < 0 ? 0 : k >= cells ? cells - 1 : k;
-}
-
-static int cells_make(const struct target *targets, size_t count, struct cells *cells)
-{
-    double x1 = -INFINITY, y1 = -INFINITY;
+    double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
     size_t given = 0;
-    *cells = (struct cells){.x0 = INFINITY, .y0 = INFINITY};
     for (size_t k = 0; k < count; k++)
         if (targets[k].given) {
-            cells->x0 = fmin(cells->x0, targets[k].shape.cx);
-            cells->y0 = fmin(cells->y0, targets[k].shape.cy);
+            x0 = fmin(x0, targets[k].shape.cx);
+            y0 = fmin(y0, targets[k].shape.cy);
             x1 = fmax(x1, targets[k].shape.cx);
             y1 = fmax(y1, targets[k].shape.cy);
             given++;
         }
-    double width = given ? x1 - cells->x0 : 1, height = given ? y1 - cells->y0 : 1;
-    cells->size = fmax(1, fmax(sqrt(width * height * 3 / (double)(given + 1)), fmax(width, height) / 1000));
-    cells->columns = (int)(width / cells->size) + 1;
-    cells->rows = (int)(height / cells->size) + 1;
-    size_t cell_count = (size_t)cells->columns * (size_t)cells->rows;
-    cells->first = malloc((cell_count + count) * sizeof *cells->first);
-    if (!cells->first)
-        return error_memory("the neighbours of grains");
-    cells->next = cells->first + cell_count;
-    for (size_t k = 0; k < cell_count; k++)
-        cells->first[k] = -1;
-    for (size_t k = count; k-- > 0;)
-        if (targets[k].given) {
-            size_t cell =
-                (size_t)cell_of(targets[k].shape.cy, cells->y0, cells->size, cells->rows) * (size_t)cells->columns +
-                (size_t)cell_of(targets[k].shape.cx, cells->x0, cells->size, cells->columns);
-            cells->next[k] = cells->first[cell];
-            cells->first[cell] = (long)k;
-        }
+    *span = given ? hypot(x1 - x0, y1 - y0) : 0;
+    double area = given ? (x1 - x0) * (y1 - y0) : 0;
+    if (cell_grid_open(grid, given, fmax(1, sqrt(area * 3 / (double)(given + 1)))))
+        return -1;
+    for (size_t k = 0; k < count; k++)
+        if (targets[k].given)
+            cell_grid_add(grid, k, targets[k].shape.cx, targets[k].shape.cy);
     return 0;
 }
 
-/* Keep the nearest, nearest first. */
+/* Keep the nearest, nearest first, of equally near ones that of the smaller number. */
 static void offer(const struct target *targets, size_t of, long candidate, long nearest[NEIGHBOURS],
                   double distance[NEIGHBOURS])
 {
     double d =
         hypot(targets[candidate].shape.cx - targets[of].shape.cx, targets[candidate].shape.cy - targets[of].shape.cy);
-    int k = NEIGHBOURS - 1;
-    if (d >= distance[k])
+    int k = NEIGHBOURS;
+    for (; k > 0 && (d < distance[k - 1] || (d == distance[k - 1] && candidate < nearest[k - 1])); k--)
+        if (k < NEIGHBOURS) {
+            distance[k] = distance[k - 1];
+            nearest[k] = nearest[k - 1];
+        }
+    if (k == NEIGHBOURS)
         return;
-    for (; k > 0 && distance[k - 1] > d; k--) {
-        distance[k] = distance[k - 1];
-        nearest[k] = nearest[k - 1];
-    }
     distance[k] = d;
     nearest[k] = candidate;
 }
 
-/* Rings of cells around the target until no nearer one can come. */
-static void find_one(const struct target *targets, size_t of, const struct cells *cells, long nearest[NEIGHBOURS])
+/* Ever wider around the target until the nearest are all within reach. */
+static void find_one(const struct target *targets, size_t of, const struct cell_grid *grid, double span,
+                     long nearest[NEIGHBOURS])
 {
-    double distance[NEIGHBOURS];
-    for (int k = 0; k < NEIGHBOURS; k++) {
-        nearest[k] = -1;
-        distance[k] = INFINITY;
-    }
-    if (!targets[of].given)
-        return;
-    int cx = cell_of(targets[of].shape.cx, cells->x0, cells->size, cells->columns);
-    int cy = cell_of(targets[of].shape.cy, cells->y0, cells->size, cells->rows);
-    int largest = cells->columns > cells->rows ? cells->columns : cells->rows;
-    for (int ring = 0; ring <= largest; ring++) {
-        if (distance[NEIGHBOURS - 1] < (ring - 1) * cells->size)
+    double distance[NEIGHBOURS], reach = grid->size;
+    int done;
+    do {
+        for (int k = 0; k < NEIGHBOURS; k++) {
+            nearest[k] = -1;
+            distance[k] = INFINITY;
+        }
+        if (!targets[of].given)
             return;
-        for (int y = cy - ring; y <= cy + ring; y++)
-            for (int x = cx - ring; x <= cx + ring; x += abs(y - cy) == ring || ring == 0 ? 1 : 2 * ring)
-                if (x >= 0 && y >= 0 && x < cells->columns && y < cells->rows)
-                    for (long k = cells->first[y * cells->columns + x]; k >= 0; k = cells->next[k])
-                        if (k != (long)of)
-                            offer(targets, of, k, nearest, distance);
-    }
+        struct cell_search search = cell_grid_near(grid, targets[of].shape.cx, targets[of].shape.cy, reach);
+        for (size_t k = cell_grid_next(&search); k != CELL_GRID_END; k = cell_grid_next(&search))
+            if (k != of)
+                offer(targets, of, (long)k, nearest, distance);
+        done = distance[NEIGHBOURS - 1] <= reach || reach > span;
+        reach *= 2;
+    } while (!done);
 }
 
 long *neighbours_find(const struct target *targets, size_t count)
 {
-    struct cells cells;
+    struct cell_grid grid = {.count = 0};
+    double span;
     long *nearest = malloc((count ? count : 1) * NEIGHBOURS * sizeof *nearest);
-    if (!nearest || cells_make(targets, count, &cells)) {
-        free(nearest);
-        error_set(EXIT_FAILED, "out of memory: the neighbours of grains: use a machine with more memory");
-        return NULL;
-    }
-    for (size_t k = 0; k < count; k++)
-        find_one(targets, k, &cells, nearest + k * NEIGHBOURS);
-    free(cells.first);
-    return nearest;
+    int status = nearest ? grid_of(targets, count, &grid, &span) : error_memory("the neighbours of grains");
+    for (size_t k = 0; k < count && !status; k++)
+        find_one(targets, k, &grid, span, nearest + k * NEIGHBOURS);
+    cell_grid_free(&grid);
+    if (!status)
+        return nearest;
+    free(nearest);
+    return NULL;
 }
 
 int neighbours_motion(const long *nearest, const struct outcome *outcomes, struct motion *motion)
