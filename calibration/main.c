@@ -1,15 +1,7 @@
-#include <errno.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "calibration/commands/calibration_commands.h"
-#include "pipeline/speak/error.h"
+#include "pipeline/command/cli.h"
 
-static const struct command {
-    const char *name, *full_name;
-    int (*run)(int argc, char **argv);
-    const char *what;
-} commands[] = {
+static const struct subcommand commands[] = {
     {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
     {"scale", "calibration scale", command_scale, "metres per pixel from known lengths"},
     {"stiffness", "calibration stiffness", command_stiffness, "normal stiffness from a test on two rods"},
@@ -18,34 +10,10 @@ static const struct command {
     {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli"},
     {"laws", "calibration laws", command_laws, "contact laws compared on a small-strain probe"},
     {"settlement", "calibration settlement", command_settlement, "long-term settlement under cycles"},
-};
-
-static void print_help(FILE *out)
-{
-    fputs("Usage: calibration COMMAND [OPTION...]\n"
-          "What a scene must know about the grains and the camera, from experiments.\n\n",
-          out);
-    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
-        fprintf(out, "  %-10s %s\n", commands[k].name, commands[k].what);
-    fputs("\n'calibration COMMAND --help' teaches one command.\n", out);
-}
+    {0}};
 
 int main(int argc, char **argv)
 {
-    if (argc > 1 && !strcmp(argv[1], "--help")) {
-        print_help(stdout);
-        return EXIT_DONE;
-    }
-    if (argc > 1 && !strcmp(argv[1], "--version")) {
-        puts("calibration (film) " FILM_VERSION);
-        return EXIT_DONE;
-    }
-    for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
-        if (!strcmp(argv[1], commands[k].name)) {
-            program_invocation_short_name = (char *)commands[k].full_name;
-            return commands[k].run(argc - 1, argv + 1);
-        }
-    fprintf(stderr, "calibration: %s 'calibration --help' lists the commands\n",
-            argc > 1 ? "there is no such command:" : "which command?");
-    return EXIT_USAGE;
+    return cli_command("calibration", "What a scene must know about the grains and the camera, from experiments.",
+                       commands, argc, argv);
 }

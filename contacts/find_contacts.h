@@ -62,11 +62,6 @@ struct contact_summary {
     struct overlap_histogram histogram;
 };
 
-/* The options of the scene's section "contacts"; what it does not name stays as it is. */
-int contact_options_read(const struct scene *scene, struct contact_options *options);
-/* An automatic correction holds for a whole series, as the radii do: take it from the previous state's parameters. */
-int contact_options_follow(const struct packing *previous, struct contact_options *options);
-
 /* packing must be zeroed; it is left empty on failure. packing->info.strain is the strain between the walls. Loads
  * are not applied (loads_apply). summary may be NULL. */
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,

@@ -7,27 +7,28 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
 
-static int run(const struct arguments *arguments)
+static int run(struct arguments *arguments)
 {
     struct scene scene = {0};
     struct photo_state photo = {0}, *more = NULL;
     const struct photo_grains **radii = calloc(arguments->radii.count + 1, sizeof *radii);
     struct lens lens;
     struct packing previous = {0}, packing = {0};
-    struct contact_options options = CONTACT_OPTIONS_DEFAULT;
+    const struct contact_options *options = &arguments->options;
+    const char *path = arguments->cli.inputs.paths[0];
     struct contact_summary summary;
     int status = radii ? scene_read(arguments->cli.scene, &scene) : error_memory("further radii");
     if (status == 0 && scene.lens)
         status = lens_read(scene.lens, &lens);
     if (status == 0)
-        status = photo_state_read(arguments->input, &photo);
+        status = photo_state_read(path, &photo);
     if (status == 0 && arguments->previous)
         status = packing_read(arguments->previous, &previous) ||
                          state_check_order(arguments->previous, &previous.info, &photo.info)
                      ? -1
                      : 0;
     if (status == 0)
-        status = arguments_options(arguments, &scene, &previous, &options);
+        status = arguments_complete(arguments, &scene, &previous);
     if (status == 0)
         status = photos_read(arguments->radii.paths, arguments->radii.count, &more);
     for (size_t m = 0; status == 0 && m < arguments->radii.count; m++)
@@ -42,14 +43,14 @@ static int run(const struct arguments *arguments)
                                   .previous = arguments->previous ? &previous : NULL,
                                   .index = photo.info.index,
                                   .is_reference = status == 0 && photo_state_is_reference(&photo, &scene)};
-    if (status == 0 && find_contacts(&input, &options, &packing, &summary))
-        status = error_context("%s", arguments->input);
+    if (status == 0 && find_contacts(&input, options, &packing, &summary))
+        status = error_context("%s", path);
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
     if (status == 0)
         contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
     if (status == 0)
-        status = contacts_write(arguments, &scene, &photo, &options, &summary, &packing);
+        status = contacts_write(arguments, &scene, &photo, options, &summary, &packing);
     if (status == 0 && arguments->picture)
         status = overlap_picture(arguments->picture, &summary);
     if (status == 0) {
@@ -68,8 +69,8 @@ static int run(const struct arguments *arguments)
 
 int main(int argc, char **argv)
 {
-    struct arguments arguments = ARGUMENTS_NONE;
-    cli_parse(&contacts_argp, argc, argv, &arguments);
+    struct arguments arguments = ARGUMENTS_DEFAULT;
+    arguments_parse(argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
     return cli_finish(&arguments.cli, status);

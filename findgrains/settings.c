@@ -1,5 +1,6 @@
 #include "findgrains/settings.h"
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/lens.h"
 
@@ -25,7 +26,9 @@ static int read_bend(const struct scene *scene, struct find_options *options)
 
 int settings_read(const struct scene *scene, struct find_options *options)
 {
-    static const char *const keys[] = {"shape", NULL};
+    static const struct option_row rows[] = {
+        {NULL, "shape", OPTION_CHOICE, offsetof(struct find_options, shape), .words = shapes}, {0}};
+    options->shape = FIND_SHAPE_AUTO;
     options->radius_min_px = scene->grains.radius_min_px;
     options->radius_max_px = scene->grains.radius_max_px;
     options->has_frame = scene->frame.given;
@@ -33,13 +36,7 @@ int settings_read(const struct scene *scene, struct find_options *options)
     memcpy(options->corners_px, scene->frame.corners_px, sizeof options->corners_px);
     if (read_bend(scene, options))
         return -1;
-    const cJSON *section = scene_section(scene, "findgrains");
-    int shape = FIND_SHAPE_AUTO;
-    if (section &&
-        (json_check_keys(scene->json, section, keys) || json_choice(scene->json, section, "shape", shapes, &shape) < 0))
-        return -1;
-    options->shape = (enum find_shape)shape;
-    return 0;
+    return options_read(rows, scene, "findgrains", 0, options);
 }
 
 static void add_number(cJSON *object, const char *key, double value)

@@ -11,7 +11,7 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAW_COUNT = 5 };
+enum { LAW_COUNT = 5 };
 
 struct options {
     struct cli cli;
@@ -30,39 +30,19 @@ static const struct {
 
 static const char documentation[] =
     "Contact laws compared on one small-strain biaxial probe of the scene's packing (Tolomeo and McDowell 2022): how "
-    "the "
-    "modulus falls with the strain, and which contacts load, unload, reload, and how they lie.\v"
+    "the modulus falls with the strain, and which contacts load, unload, reload, and how they lie.\v"
     "The scene's contact is pohrt_popov_plastic (or pohrt_popov), whose young_Pa, poisson, fractal_dimension and "
     "roughness_m serve all laws; the linear one gets the mean stiffness of Hertz's contacts at the pressure. Its "
     "simulation gives grading, pressure_Pa and friction_during_compression.\n\n"
     "Example: calibration laws --scene scene.json --picture laws.svg -o laws.json";
 
-static const struct argp_option option_list[] = {
-    {"picture", KEY_PICTURE, "P.svg", 0, "Curves as a picture", 0},
-    {"first", KEY_FIRST, "EPS", 0, "Strain of the first step (default 1e-7)", 0},
-    {"last", KEY_LAST, "EPS", 0, "Largest strain (default 1e-3)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Curves as a picture"},
+    {"first", NULL, OPTION_NUMBER, AT(probe.first), "EPS", .min = 1e-12, .max = 0.01,
+     .help = "Strain of the first step"},
+    {"last", NULL, OPTION_NUMBER, AT(probe.last), "EPS", .min = 1e-12, .max = 0.1, .help = "Largest strain"},
     {0}};
-
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case KEY_FIRST:
-        options->probe.first = cli_number(state, "--first", argument, 1e-12, 0.01);
-        return 0;
-    case KEY_LAST:
-        options->probe.last = cli_number(state, "--last", argument, 1e-12, 0.1);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
 
 static cJSON *describe_curve(const char *name, const struct law_curve *curve, double length)
 {
@@ -192,9 +172,8 @@ static int run(const struct options *options)
 
 int command_laws(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, NULL, documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT, .probe = LAW_PROBE_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
+    const struct program program = {NULL, documentation, rows, &options, NULL, 0, 0, NULL, NULL};
+    cli_parse(&program, argc, argv);
     return cli_finish(&options.cli, run(&options));
 }

@@ -1,5 +1,4 @@
 /* calibration rescale: options, read, call, write. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,18 +9,15 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
 
-enum { KEY_TANGENTIAL = 0x2200, KEY_INCREMENTS, KEY_METHOD, KEY_PICTURE };
-
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     struct rescale_options rescale;
     const char *picture;
 };
 
 static const char documentation[] =
-    "The contact stiffness k_n (with --tangential also k_t) that makes the Weber stress of a whole series equal to the "
-    "stress measured at the walls (thesis 2.1.1, 3.3).\v"
+    "The contact stiffness k_n (with --tangential also k_t) that makes the Weber stress of a whole series equal to "
+    "the stress measured at the walls (thesis 2.1.1, 3.3).\v"
     "FILE.hdf: contacts files of one series, in order: forces come from their overlaps and motions by the contact "
     "elasticity method with the scene's mu. With --method NAME: forces files, whose forces of that method are "
     "scaled.\n\n"
@@ -29,44 +25,21 @@ static const char documentation[] =
     "The result holds kn_N_per_m and kt_over_kn for the scene's contact, their standard errors, and measured beside "
     "rescaled stress of every state.";
 
-static const struct argp_option option_list[] = {
-    {"tangential", KEY_TANGENTIAL, NULL, 0, "Seek k_t too (needs sheared states)", 0},
-    {"increments", KEY_INCREMENTS, NULL, 0, "Compare stress changes since the first file, not stresses", 0},
-    {"method", KEY_METHOD, "NAME", 0, "Scale this method's forces in forces files", 0},
-    {"picture", KEY_PICTURE, "P.svg", 0, "Rescaled against measured stress as a picture", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"tangential", NULL, OPTION_SWITCH, AT(rescale.fit_kt), .help = "Seek k_t too (needs sheared states)"},
+    {"increments", NULL, OPTION_SWITCH, AT(rescale.increments),
+     .help = "Compare stress changes since the first file, not stresses"},
+    {"method", NULL, OPTION_TEXT, AT(rescale.method), "NAME", .help = "Scale this method's forces in forces files"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Rescaled against measured stress as a picture"},
     {0}};
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_TANGENTIAL:
-        options->rescale.fit_kt = 1;
-        return 0;
-    case KEY_INCREMENTS:
-        options->rescale.increments = 1;
-        return 0;
-    case KEY_METHOD:
-        options->rescale.method = argument;
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which series? Give its contacts files in order");
-        return 0;
-    case ARGP_KEY_END:
-        if (options->rescale.method && options->rescale.fit_kt)
-            argp_error(state, "--method scales forces that are there: --tangential needs contacts files without it");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const struct rescale_options *rescale = &((const struct options *)input)->rescale;
+    if (rescale->method && rescale->fit_kt)
+        return error_input("--method scales forces that are there: --tangential needs contacts files without it");
+    return 0;
 }
 
 static cJSON *describe(const struct rescale *rescale)
@@ -121,11 +94,11 @@ static int run(struct options *options)
 {
     struct scene scene = {0};
     struct rescale rescale = {0};
-    size_t count = options->files.count;
+    size_t count = options->cli.inputs.count;
     struct packing *states = calloc(count, sizeof *states);
     int status = states ? scene_read(options->cli.scene, &scene) : error_memory("states");
     for (size_t k = 0; k < count && !status; k++)
-        status = packing_read(options->files.paths[k], &states[k]);
+        status = packing_read(options->cli.inputs.paths[k], &states[k]);
     options->rescale.law = scene.contact;
     if (!status && scene.contact_given && scene.contact.kind != LAW_LINEAR)
         status = error_input("%s: contact.law: rescaling finds the k_n of the linear law: make it linear",
@@ -146,11 +119,12 @@ static int run(struct options *options)
 
 int command_rescale(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "FILE.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
-    return status;
+    const struct program program = {"FILE.hdf...", documentation,
+                                    rows,          &options,
+                                    NULL,          1,
+                                    CLI_MANY,      "which series? Give its contacts files in order",
+                                    check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, run(&options));
 }

@@ -8,28 +8,6 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
 
-static const char *const KEYS[] = {"softness", "shape_px", "offset", "stiffness", "tangential", NULL};
-
-int series_options_read(const struct scene *scene, struct series_options *options)
-{
-    const struct json *json = scene->json;
-    const cJSON *section = scene_section(scene, "forces"), *object = NULL;
-    double shape = NAN;
-    if (!section || json_object(json, section, "series", &object) <= 0)
-        return section && json_object(json, section, "series", &object) < 0 ? -1 : 0;
-    if (json_check_keys(json, object, KEYS) || json_number(json, object, "softness", 1e-5, 1, &options->softness) < 0 ||
-        json_number(json, object, "shape_px", 0, 100, &shape) < 0 ||
-        json_boolean(json, object, "offset", &options->fit_offset) < 0 ||
-        json_boolean(json, object, "stiffness", &options->fit_stiffness) < 0 ||
-        json_boolean(json, object, "tangential", &options->tangential) < 0)
-        return -1;
-    if (!isnan(shape) && shape > 0 && !(scene->scale > 0))
-        return scene_lacks(scene, "scale_m_per_px", "forces.series.shape_px is in px");
-    if (!isnan(shape))
-        options->shape = shape > 0 ? shape * scene->scale : 0;
-    return 0;
-}
-
 static int add(cJSON *object, const char *key, double value)
 {
     cJSON *added = isfinite(value) ? cJSON_AddNumberToObject(object, key, value) : cJSON_AddNullToObject(object, key);

@@ -32,30 +32,26 @@ static const char help[] =
     "forces, report, simulation or optics.\n\n"
     "Example:\n  scene check my-test/scene.json";
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static int choose(const char *what, const char *text, const char *const words[], int *choice)
 {
-    struct arguments *arguments = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &arguments->cli;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (state->arg_num == 0)
-            arguments->command = cli_choice(state, "command", text, commands);
-        else if (state->arg_num == 1)
-            arguments->scene = text;
-        else if (state->arg_num == 2 && arguments->command == PART)
-            arguments->stage = stages[cli_choice(state, "stage", text, stages)];
-        else
-            argp_error(state, "%s: one word too many", text);
-        return 0;
-    case ARGP_KEY_END:
-        if (!arguments->scene || (arguments->command == PART && !arguments->stage))
-            argp_error(state, "which scene%s? See --help", arguments->command == PART ? ", and which stage" : "");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    *choice = option_choice(text, words);
+    return *choice < 0 ? error_context("%s %s", what, text) : 0;
+}
+
+static int parse(void *options)
+{
+    struct arguments *arguments = options;
+    const struct cli_inputs *words = &arguments->cli.inputs;
+    int stage = 0;
+    if (choose("command", words->paths[0], commands, &arguments->command))
+        return -1;
+    if (words->count != (arguments->command == PART ? 3 : 2))
+        return error_input("which scene%s? See --help", arguments->command == PART ? ", and which stage" : "");
+    if (arguments->command == PART && choose("stage", words->paths[2], stages, &stage))
+        return -1;
+    arguments->scene = words->paths[1];
+    arguments->stage = stages[stage];
+    return 0;
 }
 
 static int check_file(const struct scene *scene, const char *path)
@@ -144,12 +140,16 @@ static int run(const struct arguments *arguments)
 
 int main(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {
-        NULL, parse, "check SCENE.json\nphotos SCENE.json\nseries SCENE.json\npart SCENE.json STAGE", help, children,
-        NULL, NULL};
-    struct arguments arguments = {.cli = CLI_DEFAULT, .command = -1};
-    arguments.cli.needs = 0;
-    cli_parse(&parser, argc, argv, &arguments);
+    struct arguments arguments = {.cli = CLI_NEEDING(0), .command = -1};
+    const struct program program = {"check SCENE.json\nphotos SCENE.json\nseries SCENE.json\npart SCENE.json STAGE",
+                                    help,
+                                    NULL,
+                                    &arguments,
+                                    NULL,
+                                    2,
+                                    3,
+                                    "which scene? See --help",
+                                    parse};
+    cli_parse(&program, argc, argv);
     return cli_finish(&arguments.cli, run(&arguments));
 }
