@@ -32,13 +32,17 @@ static int is_numeric(const struct option_row *row)
 
 /* ---- what the row says of itself ---- */
 
+enum { DIGITS = 10, WHOLE_DIGITS = 16 }; /* that are shown: whole numbers up to 2^53 in full */
+
 /* "from 0 to 1", "0, or from 2 to 100000"; large whole numbers in full. */
 static void print_range(const struct option_row *row, char *text, size_t size)
 {
+    int digits = is_whole(row) ? WHOLE_DIGITS : DIGITS;
     char least[40] = "above 0, up to";
     if (row->min != DBL_MIN)
-        snprintf(least, sizeof least, "from %.10g to", row->min);
-    snprintf(text, size, "%s%s %.10g%s", row->zero ? "0, or " : "", least, row->max, row->automatic ? ", or auto" : "");
+        snprintf(least, sizeof least, "from %.*g to", digits, row->min);
+    snprintf(text, size, "%s%s %.*g%s", row->zero ? "0, or " : "", least, digits, row->max,
+             row->automatic ? ", or auto" : "");
 }
 
 static void print_words(const char *const words[], char *text, size_t size)
@@ -71,7 +75,7 @@ static void print_default(const struct option_row *row, const void *options, cha
     if (row->parse)
         return;
     if (is_numeric(row) && is_allowed(row, number_of(row, options)))
-        snprintf(text, size, "default %.10g", number_of(row, options));
+        snprintf(text, size, "default %.*g", is_whole(row) ? WHOLE_DIGITS : DIGITS, number_of(row, options));
     else if (row->type == OPTION_CHOICE && *(const int *)member >= 0)
         snprintf(text, size, "default %s", row->words[*(const int *)member]);
     else if (row->type == OPTION_TEXT && *(const char *const *)member)

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
@@ -50,81 +51,6 @@ static int read_paints(const struct json *json, const cJSON *object, struct surf
     return 0;
 }
 
-/* The keys that every surface has. */
-static int read_surface(const struct json *json, const cJSON *object, struct surface *surface)
-{
-    if (json_number(json, object, "level", 0, 2, &surface->level) < 0)
-        return -1;
-    return read_paints(json, object, surface) < 0 ? -1 : 0;
-}
-
-static int read_plain(const struct json *json, const cJSON *optics, const char *name, struct surface *surface)
-{
-    static const char *const keys[] = {"level", "paint", NULL};
-    const cJSON *object = NULL;
-    int there = json_object(json, optics, name, &object);
-    if (there < 1)
-        return there;
-    return json_check_keys(json, object, keys) ? -1 : read_surface(json, object, surface);
-}
-
-static int read_rings(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"spacing_px", "contrast", NULL};
-    const cJSON *rings = NULL;
-    int there = json_object(json, grain, "rings", &rings);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, rings, keys) ||
-        json_number(json, rings, "spacing_px", 1, 1000, &optics->ring_spacing) < 0 ||
-        json_number(json, rings, "contrast", 0, 1, &optics->ring_contrast) < 0)
-        return -1;
-    if (optics->ring_contrast > 0 && optics->ring_spacing <= 0)
-        return json_error(json, rings, "rings need spacing_px");
-    return 0;
-}
-
-static int read_bevel(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"width_px", "depth", NULL};
-    const cJSON *bevel = NULL;
-    int there = json_object(json, grain, "bevel", &bevel);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, bevel, keys) ||
-        json_number(json, bevel, "width_px", 0.1, 100, &optics->bevel_width) < 0 ||
-        json_number(json, bevel, "depth", 0, 1, &optics->bevel_depth) < 0)
-        return -1;
-    return 0;
-}
-
-static int read_line(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"share", "width_px", "level", NULL};
-    const cJSON *line = NULL;
-    int there = json_object(json, grain, "lines", &line);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, line, keys) || json_number(json, line, "share", 0, 1, &optics->line_share) < 0 ||
-        json_number(json, line, "width_px", 0.1, 100, &optics->line_width) < 0 ||
-        json_number(json, line, "level", 0, 2, &optics->line_level) < 0)
-        return -1;
-    return 0;
-}
-
-static int read_flank(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    static const char *const keys[] = {"parallax", "level", NULL};
-    const cJSON *flank = NULL;
-    int there = json_object(json, grain, "flank", &flank);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, flank, keys) || json_number(json, flank, "parallax", 0, 0.2, &optics->parallax) < 0 ||
-        json_number(json, flank, "level", 0, 2, &optics->flank_level) < 0)
-        return -1;
-    return 0;
-}
-
 static int read_labels(const struct json *json, const cJSON *section, struct optics *optics)
 {
     const cJSON *list = NULL, *item;
@@ -145,69 +71,6 @@ static int read_labels(const struct json *json, const cJSON *section, struct opt
         }
         optics->labels[optics->label_count++] = (struct rect){side[0], side[1], side[2], side[3]};
     }
-    return 0;
-}
-
-static int read_grain(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    static const char *const keys[] = {"level", "spread", "paint",       "rings", "bevel",
-                                       "lines", "flank",  "ellipticity", NULL};
-    const cJSON *grain = NULL;
-    int there = json_object(json, section, "grain", &grain);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, grain, keys) || read_surface(json, grain, &optics->grain) ||
-        json_number(json, grain, "spread", 0, 0.5, &optics->grain.spread) < 0 ||
-        json_number(json, grain, "ellipticity", 0, 0.2, &optics->ellipticity) < 0)
-        return -1;
-    return read_rings(json, grain, optics) || read_bevel(json, grain, optics) || read_line(json, grain, optics) ||
-                   read_flank(json, grain, optics)
-               ? -1
-               : 0;
-}
-
-static int read_noise(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    static const char *const keys[] = {"read", "shot", NULL};
-    const cJSON *noise = NULL;
-    int there = json_object(json, section, "noise", &noise);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, noise, keys) || json_number(json, noise, "read", 0, 1, &optics->read_noise) < 0 ||
-        json_number(json, noise, "shot", 0, 1, &optics->shot_noise) < 0)
-        return -1;
-    return 0;
-}
-
-static int read_camera(const struct json *json, const cJSON *section, struct view *wander)
-{
-    static const char *const keys[] = {"shift_px", "angle_rad", "zoom", "blur_px", "brightness", NULL};
-    const cJSON *camera = NULL;
-    int there = json_object(json, section, "camera", &camera);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, camera, keys) || json_number(json, camera, "shift_px", 0, 1000, &wander->dx) < 0 ||
-        json_number(json, camera, "angle_rad", 0, 0.1, &wander->angle) < 0 ||
-        json_number(json, camera, "zoom", 0, 0.1, &wander->zoom) < 0 ||
-        json_number(json, camera, "blur_px", 0, 5, &wander->blur) < 0 ||
-        json_number(json, camera, "brightness", 0, 0.2, &wander->brightness) < 0)
-        return -1;
-    wander->dy = wander->dx;
-    return 0;
-}
-
-static int read_numbers(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    long seed = (long)optics->seed, bits = optics->bits;
-    if (json_integer(json, section, "seed", 0, 1L << 53, &seed) < 0 ||
-        json_integer(json, section, "bits", 4, 16, &bits) < 0 ||
-        json_number(json, section, "psf_px", OPTICS_PSF_MIN, 50, &optics->psf) < 0 ||
-        json_number(json, section, "exposure", 0.01, 100, &optics->exposure) < 0 ||
-        json_number(json, section, "shading", 0, 1, &optics->shading) < 0 ||
-        json_number(json, section, "frame_width_px", 0, 1e5, &optics->frame_width) < 0)
-        return -1;
-    optics->seed = (uint64_t)seed;
-    optics->bits = (int)bits;
     return 0;
 }
 
@@ -232,34 +95,79 @@ void optics_free(struct optics *optics)
     optics->label_count = 0;
 }
 
-static int read_plains(const struct json *json, const cJSON *section, struct optics *optics)
+#define AT(field) .at = offsetof(struct optics, field)
+#define SURFACE(key, field)                                                                                            \
+    {NULL, key ".level", OPTION_NUMBER, AT(field.level), .max = 2},                                                    \
+    {                                                                                                                  \
+        NULL, key ".paint", .type = OPTION_ELSE                                                                        \
+    }
+static const struct option_row rows[] = {
+    {NULL, "seed", OPTION_LONG, AT(seed), .max = 0x1p53},
+    {NULL, "bits", OPTION_WHOLE, AT(bits), .min = 4, .max = 16},
+    {NULL, "psf_px", OPTION_NUMBER, AT(psf), .min = OPTICS_PSF_MIN, .max = 50},
+    {NULL, "exposure", OPTION_NUMBER, AT(exposure), .min = 0.01, .max = 100},
+    {NULL, "shading", OPTION_NUMBER, AT(shading), .max = 1},
+    {NULL, "frame_width_px", OPTION_NUMBER, AT(frame_width), .max = 1e5},
+    {NULL, "noise.read", OPTION_NUMBER, AT(read_noise), .max = 1},
+    {NULL, "noise.shot", OPTION_NUMBER, AT(shot_noise), .max = 1},
+    {NULL, "camera.shift_px", OPTION_NUMBER, AT(wander.dx), .max = 1000},
+    {NULL, "camera.angle_rad", OPTION_NUMBER, AT(wander.angle), .max = 0.1},
+    {NULL, "camera.zoom", OPTION_NUMBER, AT(wander.zoom), .max = 0.1},
+    {NULL, "camera.blur_px", OPTION_NUMBER, AT(wander.blur), .max = 5},
+    {NULL, "camera.brightness", OPTION_NUMBER, AT(wander.brightness), .max = 0.2},
+    {NULL, "grain.spread", OPTION_NUMBER, AT(grain.spread), .max = 0.5},
+    {NULL, "grain.ellipticity", OPTION_NUMBER, AT(ellipticity), .max = 0.2},
+    {NULL, "grain.rings.spacing_px", OPTION_NUMBER, AT(ring_spacing), .min = 1, .max = 1000},
+    {NULL, "grain.rings.contrast", OPTION_NUMBER, AT(ring_contrast), .max = 1},
+    {NULL, "grain.bevel.width_px", OPTION_NUMBER, AT(bevel_width), .min = 0.1, .max = 100},
+    {NULL, "grain.bevel.depth", OPTION_NUMBER, AT(bevel_depth), .max = 1},
+    {NULL, "grain.lines.share", OPTION_NUMBER, AT(line_share), .max = 1},
+    {NULL, "grain.lines.width_px", OPTION_NUMBER, AT(line_width), .min = 0.1, .max = 100},
+    {NULL, "grain.lines.level", OPTION_NUMBER, AT(line_level), .max = 2},
+    {NULL, "grain.flank.parallax", OPTION_NUMBER, AT(parallax), .max = 0.2},
+    {NULL, "grain.flank.level", OPTION_NUMBER, AT(flank_level), .max = 2},
+    SURFACE("grain", grain),
+    SURFACE("void", hollow),
+    SURFACE("frame", frame),
+    SURFACE("outside", outside),
+    SURFACE("hinge", hinge),
+    SURFACE("paper", paper),
+    SURFACE("marker", marker),
+    SURFACE("label", label),
+    {NULL, "labels_px", .type = OPTION_ELSE},
+    {0}};
+
+/* The lists of paint of all surfaces, each where the scene has one. */
+static int read_surfaces(const struct json *json, const cJSON *section, struct optics *optics)
 {
-    struct {
+    const struct {
         const char *name;
         struct surface *surface;
-    } plain[] = {{"void", &optics->hollow}, {"frame", &optics->frame}, {"outside", &optics->outside},
-                 {"hinge", &optics->hinge}, {"paper", &optics->paper}, {"marker", &optics->marker},
-                 {"label", &optics->label}};
-    for (size_t k = 0; k < sizeof plain / sizeof *plain; k++)
-        if (read_plain(json, section, plain[k].name, plain[k].surface) < 0)
+    } all[] = {{"grain", &optics->grain},     {"void", &optics->hollow}, {"frame", &optics->frame},
+               {"outside", &optics->outside}, {"hinge", &optics->hinge}, {"paper", &optics->paper},
+               {"marker", &optics->marker},   {"label", &optics->label}};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        const cJSON *object = NULL;
+        if (json_object(json, section, all[k].name, &object) > 0 && read_paints(json, object, all[k].surface) < 0)
             return -1;
+    }
     return 0;
+}
+
+/* What two keys tell together, and lists. */
+static int read_rest(const struct json *json, const cJSON *section, struct optics *optics)
+{
+    if (optics->ring_contrast > 0 && optics->ring_spacing <= 0)
+        return json_error(json, cJSON_GetObjectItemCaseSensitive(section, "grain"), "rings need spacing_px");
+    optics->wander.dy = optics->wander.dx;
+    return read_labels(json, section, optics) || read_surfaces(json, section, optics) ? -1 : 0;
 }
 
 int optics_read(const struct scene *scene, struct optics *optics)
 {
-    static const char *const keys[] = {"seed",           "psf_px", "bits",   "noise", "exposure",  "shading",
-                                       "frame_width_px", "camera", "grain",  "void",  "frame",     "outside",
-                                       "hinge",          "paper",  "marker", "label", "labels_px", NULL};
-    *optics = (struct optics)OPTICS_DEFAULT;
-    const struct json *json = scene->json;
     const cJSON *section = scene_section(scene, "optics");
-    if (!section)
-        return 0;
-    if (json_check_keys(json, section, keys) == 0 && read_numbers(json, section, optics) == 0 &&
-        read_noise(json, section, optics) == 0 && read_camera(json, section, &optics->wander) == 0 &&
-        read_grain(json, section, optics) == 0 && read_labels(json, section, optics) == 0 &&
-        read_plains(json, section, optics) == 0)
+    *optics = (struct optics)OPTICS_DEFAULT;
+    if (!section || (!options_read(rows, scene, "optics", 0, optics) && !read_rest(scene->json, section, optics)))
         return 0;
     optics_free(optics);
     return -1;
