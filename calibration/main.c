@@ -1,3 +1,4 @@
+/* calibration: one program of many commands; each is a row here and a file in calibration/commands. */
 #include "calibration/commands/calibration_commands.h"
 #include "pipeline/command/cli.h"
 

@@ -1,3 +1,6 @@
+/* Three voices in this order: the command line, the scene, and for automatic corrections what the previous state found,
+ * because radii and their error are constant through a series: a correction that changed from photo to photo would look
+ * like motion. */
 #include "contacts/arguments.h"
 
 #include <string.h>
@@ -47,7 +50,7 @@ static const char help[] =
     "frame_error_px (0.3: how well the frame's corners are known; 0 takes them as exact).\n\n"
     "Example:\n  contacts --scene scene.json 0001.tracks.hdf --previous 0000.contacts.hdf -o 0001.contacts.hdf";
 
-/* An automatic correction holds for a whole series, as the radii do: take it from the previous state's parameters. */
+/* From the attribute `parameters` of the previous state; one without them (other programs) leaves "auto" standing. */
 static int follow(const struct packing *previous, struct contact_options *options)
 {
     const char *text = previous->info.parameters;

@@ -1,3 +1,4 @@
+/* contacts: which grains of one photo touch, in SI units. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,6 +8,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
 
+/* Reads everything before working, so that what is wrong with the input shows in the first second. */
 static int run(struct arguments *arguments)
 {
     struct scene scene = {0};

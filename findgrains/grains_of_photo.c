@@ -9,6 +9,8 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state.h"
 
+/* Parameters: what the user said; found: what the photo told (grey levels, blur, noise, frame), as JSON text beside the
+ * table. */
 static int write_file(const struct photo_paths *paths, const struct scene *scene, const struct find_options *options,
                       const struct photo_grains *grains, const struct find_notes *notes)
 {
@@ -36,6 +38,7 @@ static int write_file(const struct photo_paths *paths, const struct scene *scene
     return status;
 }
 
+/* Of a file to refine only centres and radii are needed: it may come from findgrains or the tracker. */
 static int read_known(const char *path, struct photo_grains *known)
 {
     static const char *const needed[] = {"x_px", "y_px", "radius_px", NULL};
@@ -45,6 +48,7 @@ static int read_known(const char *path, struct photo_grains *known)
     return status;
 }
 
+/* Search, or measure the known grains again; both write the same table. */
 static int find(const struct photo_paths *paths, const struct photo *photo, const struct find_options *options,
                 struct photo_grains *grains, struct find_notes *notes)
 {

@@ -1,3 +1,4 @@
+/* findgrains: the grains of one photo, in px. */
 #include "findgrains/grains_of_photo.h"
 #include "findgrains/picture/overlay.h"
 #include "pipeline/command/cli.h"
@@ -40,6 +41,7 @@ static int check(void *options)
     return 0;
 }
 
+/* The ending of the picture is looked at first: finding grains takes long. */
 static int run(struct arguments *arguments)
 {
     struct scene scene = {0};

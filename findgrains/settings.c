@@ -24,6 +24,7 @@ static int read_bend(const struct scene *scene, struct find_options *options)
     return 0;
 }
 
+/* The frame and the range of radii are the experiment's, so they stand in the scene's own groups. */
 int settings_read(const struct scene *scene, struct find_options *options)
 {
     static const struct option_row rows[] = {
@@ -39,6 +40,7 @@ int settings_read(const struct scene *scene, struct find_options *options)
     return options_read(rows, scene, "findgrains", 0, options);
 }
 
+/* Numbers that are not known are left out. */
 static void add_number(cJSON *object, const char *key, double value)
 {
     if (isfinite(value))
@@ -57,6 +59,7 @@ static void add_frame(cJSON *object, const struct find_options *options)
         add_number(frame, "bend_px", options->frame_bend_px);
 }
 
+/* x y radius of what was added, x y of what was removed: px, as in the lists. */
 static void add_corrections(cJSON *object, const struct corrections *corrections)
 {
     cJSON *list = cJSON_AddArrayToObject(object, "corrections");
@@ -67,6 +70,7 @@ static void add_corrections(cJSON *object, const struct corrections *corrections
     }
 }
 
+/* Takes the object. Memory that was out while the tree was built shows here too (json_print). */
 static char *printed(cJSON *object)
 {
     char *text = object ? json_print(object) : NULL;

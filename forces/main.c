@@ -1,3 +1,4 @@
+/* forces: contact forces of one packing by several methods, or of all states of a test together. */
 #include <stdio.h>
 
 #include "forces/add_forces.h"
@@ -42,6 +43,7 @@ static int run_series(const struct force_arguments *arguments, const struct scen
     return cli_flagged(cli, outcome.unbalanced, outcome.grains, UNBALANCED);
 }
 
+/* One packing: the methods stand side by side in one file. */
 static int run_one(const struct force_arguments *arguments, const struct scene *scene)
 {
     const struct force_request request = {.scene = scene,
@@ -59,6 +61,7 @@ static int run_one(const struct force_arguments *arguments, const struct scene *
     return cli_flagged(&arguments->cli, outcome.unbalanced, outcome.grains, UNBALANCED);
 }
 
+/* The method may stand in the scene: only after reading it is known which of the two is run. */
 static int run(struct force_arguments *arguments)
 {
     struct scene scene = {0};

@@ -1,3 +1,5 @@
+/* Adding an option of forces: a member of struct force_options (or series_options), and a row below. What changes
+ * numbers also goes into force_options_text(), from which the file says how it was made. */
 #include "forces/options.h"
 
 #include <math.h>
@@ -7,6 +9,7 @@
 
 #include "pipeline/speak/error.h"
 
+/* Position in FORCE_METHODS of the first `length` letters; -1: there is no such method. */
 static int method_number(const char *text, size_t length)
 {
     for (int k = 0; FORCE_METHODS[k]; k++)
@@ -171,6 +174,7 @@ int force_arguments_read(const struct scene *scene, struct force_arguments *argu
     return 0;
 }
 
+/* The methods as a list, so that readers need not cut text at commas. */
 static int add_words(cJSON *object, const struct method_list *list, const struct force_options *options)
 {
     cJSON *methods = cJSON_AddArrayToObject(object, "method");
@@ -183,6 +187,7 @@ static int add_words(cJSON *object, const struct method_list *list, const struct
                : -1;
 }
 
+/* NaN (kn is not known) becomes null: JSON has no NaN. */
 static int add_number(cJSON *object, const char *key, double value)
 {
     cJSON *added = isfinite(value) ? cJSON_AddNumberToObject(object, key, value) : cJSON_AddNullToObject(object, key);

@@ -1,3 +1,4 @@
+/* report: one program of many commands; each is a row here and a file in report/commands. */
 #include "report/commands/report_commands.h"
 #include "pipeline/command/cli.h"
 

@@ -6,6 +6,7 @@
 #include "simulation/render/render.h"
 #include "simulation/render/render_truth.h"
 
+/* The photo, then what is in it, beside it. Each exit frees everything: all structs accept being freed when empty. */
 static int run(const struct cli *cli)
 {
     struct scene scene = {0};

@@ -20,6 +20,7 @@ static const char doc[] =
     "  simulate --scene scene.json -o truth\n"
     "Exit status 4: a state could not be relaxed; it was saved all the same.";
 
+/* Each state is saved as soon as it is reached; those that did not come to rest are counted as flagged rows. */
 static int run(const struct cli *cli)
 {
     struct scene scene = {0};

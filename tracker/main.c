@@ -1,3 +1,4 @@
+/* tracker: where the grains of the reference photo are in other photos. */
 #include <string.h>
 
 #include "pipeline/command/cli.h"

@@ -1,3 +1,5 @@
+/* subset: radius of the disc that is followed, over the grain's radius; search_px, search_deg: how far a grain may have
+ * moved and turned since it was last seen. */
 #include "tracker/tracker_options.h"
 
 #include "pipeline/command/option_table.h"
@@ -27,6 +29,7 @@ static void add_rect(cJSON *list, const struct rect *rect)
     cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(sides, 4));
 }
 
+/* The numbers of the lens, not the name of its file: they are what changes positions. */
 static void add_lens(cJSON *root, const struct lens *lens)
 {
     const double centre[2] = {lens->centre.x, lens->centre.y};

@@ -30,7 +30,7 @@ static const char documentation[] =
     "it.\n\n"
     "The result holds mu (for the scene's contact.mu) and its standard error.";
 
-/* "P1,P2,L,R,ALPHA" */
+/* "P1,P2,L,R,ALPHA" in N, N, m, m, degrees. */
 static int parse_test(const char *text, struct friction_test *test)
 {
     const double degree = 0.017453292519943295;
@@ -42,6 +42,7 @@ static int parse_test(const char *text, struct friction_test *test)
     return 0;
 }
 
+/* film.friction/1. One test has no scatter: no standard errors. */
 static cJSON *describe(const struct friction *friction)
 {
     cJSON *object = cJSON_CreateObject();
@@ -56,6 +57,8 @@ static cJSON *describe(const struct friction *friction)
     return object;
 }
 
+/* mu where |ft| / fn ends, and how sharply: width of the end, contacts in it, its significance in standard deviations.
+ */
 static cJSON *describe_mobilised(const struct mobilised *mobilised)
 {
     cJSON *object = cJSON_CreateObject();
@@ -98,6 +101,8 @@ static int collect(const char *path, const char *method, double **fn, double **f
     return status;
 }
 
+/* Forces that were inferred with mu end at that mu by construction, which tells nothing: refused, unless they are the
+ * simulation's own (dem). */
 static int run_forces(const struct options *options)
 {
     double *fn = NULL, *ft = NULL, mu = NAN;
@@ -119,6 +124,7 @@ static int run_forces(const struct options *options)
     return status;
 }
 
+/* Each word is a test; the formula and its limits are in friction.h. */
 static int run_tests(const struct options *options)
 {
     size_t count = options->cli.inputs.count;

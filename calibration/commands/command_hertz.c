@@ -55,6 +55,8 @@ static const char documentation[] =
     "Example: calibration hertz --young 1e9 --poisson 0.1 --confinement 1e5 --porosity 0.17 --coordination 4.1 --d50 "
     "2e-3 -o hertz.json";
 
+/* Two uses of one command: the closed form needs all six numbers, the search a scene, E, and exactly one Poisson's
+ * ratio: the packing's, when both are sought, or the grains'. */
 static int check(void *input)
 {
     struct options *o = input;
@@ -68,6 +70,8 @@ static int check(void *input)
     return 0;
 }
 
+/* film.hertz/1 of a search: what was sought, found, and every probe. Moduli of the packing in Pa: `metres` is the rods'
+ * length, by which stresses in the plane are divided. */
 static void describe_goal(const struct options *o, const struct hertz_goal *goal, const struct hertz_probes *probes,
                           const struct hertz_found *found, double metres, cJSON *object)
 {
@@ -175,6 +179,7 @@ static int search_plan(const struct options *o, struct simulation *simulation)
     return status;
 }
 
+/* The packing, its pressure and its law are the scene's. */
 static int run_search(const struct options *o)
 {
     struct scene scene = {0};
@@ -189,6 +194,7 @@ static int run_search(const struct options *o)
     return status;
 }
 
+/* Static hypothesis (hertz.h): the volume per contact from porosity, coordination and d50, then both moduli at once. */
 static int run_closed(const struct options *o)
 {
     struct hertz_packing packing = {.dimensions = o->dimensions, .radius = o->d50 / 2, .confinement = o->confinement};

@@ -44,6 +44,7 @@ static const struct option_row rows[] = {
     {"last", NULL, OPTION_NUMBER, AT(probe.last), "EPS", .min = 1e-12, .max = 0.1, .help = "Largest strain"},
     {0}};
 
+/* Stresses over the rods' length are Pa; angles in degrees from the horizontal. E0: of the first step. */
 static cJSON *describe_curve(const char *name, const struct law_curve *curve, double length)
 {
     cJSON *object = cJSON_CreateObject(), *steps = cJSON_CreateArray();
@@ -129,6 +130,7 @@ static int compare(const struct options *options, const struct simulation *simul
     return 0;
 }
 
+/* film.laws/1: one curve per law; states that still move are counted over all laws. */
 static int write_all(const struct options *options, const struct law_curve *curves, double length)
 {
     cJSON *object = cJSON_CreateObject(), *list = cJSON_CreateArray();
@@ -146,6 +148,7 @@ static int write_all(const struct options *options, const struct law_curve *curv
     return status ? status : cli_flagged(&options->cli, moving, steps, "states did not come to rest");
 }
 
+/* Checks first what the comparison needs of the scene: roughness, grading, pressure. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};

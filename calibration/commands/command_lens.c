@@ -44,6 +44,8 @@ static int check(void *input)
     return 0;
 }
 
+/* film.lens/1: centre, K and P of Brown's form, corrected from seen (lens.h); rms_px: what is left at the points that
+ * were used; covariance of the eight unknowns, row by row. */
 static cJSON *describe(const struct lens_fitted *fitted, const struct lens_points *points)
 {
     const double centre[2] = {fitted->lens.centre.x, fitted->lens.centre.y};
@@ -67,6 +69,7 @@ static cJSON *describe(const struct lens_fitted *fitted, const struct lens_point
     return object;
 }
 
+/* Follow the plate, fit the lens, write; the picture shows what the fit took away and what it left. */
 static int run(const struct options *options)
 {
     struct plate plate = {0};

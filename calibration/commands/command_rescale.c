@@ -42,6 +42,8 @@ static int check(void *input)
     return 0;
 }
 
+/* film.rescale/1: stiffness for the scene's contact, and measured beside rescaled stress, compression positive, Pa (N/m
+ * without a length), of every state. */
 static cJSON *describe(const struct rescale *rescale)
 {
     static const char *const names[] = {"xx", "yy", "xy"};
@@ -69,6 +71,7 @@ static cJSON *describe(const struct rescale *rescale)
     return object;
 }
 
+/* A point per state and component: on the diagonal where the stiffness is right. */
 static int draw(const char *path, const struct rescale *rescale)
 {
     static const char *const names[] = {"xx", "yy", "xy"};
@@ -90,6 +93,7 @@ static int draw(const char *path, const struct rescale *rescale)
     return status;
 }
 
+/* All states at once: one stiffness has to fit them all. */
 static int run(struct options *options)
 {
     struct scene scene = {0};

@@ -27,6 +27,7 @@ static const char documentation[] =
     "Example: calibration scale 578,1453,7260,1510,0.4008 568,7043,7255,7070,0.4012 -o scale.json\n\n"
     "The result holds scale_m_per_px for the scene and its standard error.";
 
+/* "X0,Y0,X1,Y1,METRES"; the marks are moved to where a lens without distortion shows them. */
 static int parse_length(const char *text, const struct lens *lens, struct known_length *length)
 {
     char rest;
@@ -40,6 +41,7 @@ static int parse_length(const char *text, const struct lens *lens, struct known_
     return 0;
 }
 
+/* film.scale/1. One length has nothing to disagree with: no scatter. */
 static cJSON *describe(const struct scale *scale, size_t count)
 {
     cJSON *object = cJSON_CreateObject();
@@ -52,6 +54,7 @@ static cJSON *describe(const struct scale *scale, size_t count)
     return object;
 }
 
+/* Least squares over all lengths (scale.h). */
 static int run(const struct options *options)
 {
     size_t count = options->cli.inputs.count;

@@ -53,6 +53,8 @@ static const struct option_row rows[] = {
      .help = "Do not carry the contacts' overlaps through a jump"},
     {0}};
 
+/* --trend and --ahead serve both uses, files and simulation. A trend can be read at any time, but a simulation jumps
+ * over whole cycles. */
 static int check(void *input)
 {
     struct options *o = input;
@@ -140,6 +142,7 @@ static cJSON *describe_jumps(const struct settle_result *result)
     return rows;
 }
 
+/* Cycles that were jumped over have no settlement: only those that were simulated are listed. */
 static cJSON *describe_run(const struct settle_result *result)
 {
     cJSON *object = cJSON_CreateObject(), *cycles = cJSON_CreateArray(), *settlement = cJSON_CreateArray();
@@ -206,6 +209,7 @@ static int write_runs(const struct options *o, const struct settle_result *quick
                : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states did not come to rest");
 }
 
+/* --full: once more without jumps, as the truth that the errors are measured by. */
 static int run_simulated(const struct options *o)
 {
     struct scene scene = {0};

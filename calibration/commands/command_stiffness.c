@@ -54,6 +54,8 @@ static int check(void *input)
     return ((const struct options *)input)->record ? 0 : error_input("give the force record with --record");
 }
 
+/* A loading, unloading or reloading: a line, two lines that meet at a break, and the power law, each with its rms, m.
+ */
 static cJSON *describe_phase(const struct press_point *points, const struct press_fit *fit)
 {
     cJSON *object = cJSON_CreateObject();
@@ -79,6 +81,7 @@ static cJSON *describe_phase(const struct press_point *points, const struct pres
     return object;
 }
 
+/* A photo; `used` 0: a rod was lost, or the record does not reach there. */
 static cJSON *describe_point(const struct press_point *point)
 {
     cJSON *object = cJSON_CreateObject();
@@ -109,6 +112,7 @@ static cJSON *describe(const struct press_point *points, size_t count, const str
     return object;
 }
 
+/* Force over deflection, um; at most MOST phases. */
 static int draw(const char *path, const struct press_point *points, size_t count, const struct stiffness *stiffness)
 {
     enum { MOST = 3 };
@@ -132,6 +136,7 @@ static int draw(const char *path, const struct press_point *points, size_t count
     return status;
 }
 
+/* Photos that were not used are flagged rows: too many of them are status 4. */
 static int fit_and_write(const struct options *options, const struct press_photo *photos, size_t count)
 {
     struct press_point *points = calloc(count, sizeof *points);
@@ -159,6 +164,7 @@ static int fit_and_write(const struct options *options, const struct press_photo
     return status;
 }
 
+/* Only the scene's scale is needed: deflections are px times it. */
 static int run(struct options *options)
 {
     struct scene scene = {0};

@@ -1,3 +1,5 @@
+/* A series determines some constants that its files only state: stiffness, offset of the radii. `found` holds them with
+ * their standard errors, beside the options, so that a file tells what it was made with and what came out. */
 #include "forces/series/series_options.h"
 
 #include <inttypes.h>
@@ -8,6 +10,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
 
+/* NaN becomes null: JSON has no NaN. */
 static int add(cJSON *object, const char *key, double value)
 {
     cJSON *added = isfinite(value) ? cJSON_AddNumberToObject(object, key, value) : cJSON_AddNullToObject(object, key);
@@ -44,6 +47,8 @@ char *series_options_text(const struct force_options *options, const struct seri
     return text;
 }
 
+/* fresh: pairs that carry but did not in the photo before; information: trace of the photo's part of the precision of
+ * the shared unknowns. */
 static const char HEADER[] = "index,mean_fn_N,contacts,open,fresh,data,misfit,information,residual\n";
 
 static int print_table(const char *path, const struct packing *const *packings, size_t count,
@@ -64,6 +69,7 @@ static int print_table(const char *path, const struct packing *const *packings, 
     return fclose(file) || failed ? error_failed("%s: cannot be written: is the disk full?", path) : 0;
 }
 
+/* Whole or not at all: a new file beside the old one, renamed when it is complete. */
 int series_write_table(const char *folder, const struct packing *const *packings, size_t count,
                        const struct series_summary *summary)
 {

@@ -1,3 +1,8 @@
+/* argp does the parsing: this file hands it the rows as options, and its finds back to the rows. What it cannot know,
+ * such as ranges, defaults and what several options say together, is judged here, always through argp_error(), so that
+ * every wrong command line ends alike: one line, a hint at --help, EXIT_USAGE.
+ *
+ * One program runs per process: the log, the clock and the running program are static. */
 #include "pipeline/command/cli.h"
 
 #include <argp.h>
@@ -63,6 +68,7 @@ static const struct option_row shared[] = {
 enum { OWN = 0x1000, SHARED = 0x2000 };
 static const struct program *running;
 
+/* The row that argp means; NULL: one of argp's own keys, or none. */
 static const struct option_row *row_of(int key)
 {
     return key >= SHARED && key < SHARED + OPTION_MOST              ? &shared[key - SHARED]
@@ -103,6 +109,8 @@ static char *describe(int key, const char *text, void *input)
     return option_describe(row, running->section, running->options);
 }
 
+/* Of the program's rows and the shared ones. Only memory can fail otherwise than by a wrong word: then argp_parse()
+ * ends with ENOMEM. */
 static error_t parse_row(int key, char *argument, struct argp_state *state)
 {
     struct cli *cli = running->options;
@@ -148,6 +156,8 @@ static int list_files(const struct option_row *rows, const void *options, struct
     return failed;
 }
 
+/* By what the words mean, not how they are spelt: argp lets an option be cut short or joined with its value. Texts that
+ * are no paths are asked for too: they name no file, and cost a stat(). */
 static void check_overwriting(const struct argp_state *state, const struct cli *cli)
 {
     struct cli_inputs outputs = {0}, inputs = {0};
@@ -181,6 +191,7 @@ static void check_whole(const struct argp_state *state, const struct cli *cli)
     check_overwriting(state, cli);
 }
 
+/* The root parser: it alone sees the words that are no options, and the end of the line. */
 static error_t parse_word(int key, char *argument, struct argp_state *state)
 {
     struct cli *cli = running->options;
@@ -191,6 +202,7 @@ static error_t parse_word(int key, char *argument, struct argp_state *state)
     return key == ARGP_KEY_END ? 0 : parse_row(key, argument, state);
 }
 
+/* What acts on the whole process. Not before the line is known to be right: --log empties a file. */
 static void apply(const struct cli *cli)
 {
     if (cli->threads > 0)
@@ -243,6 +255,7 @@ static double cpu_seconds(const struct rusage *usage)
            1e-6 * (double)(usage->ru_utime.tv_usec + usage->ru_stime.tv_usec);
 }
 
+/* A log that could not be written whole is a failure, as any output is. */
 static int close_log(void)
 {
     if (!log_file)
@@ -253,6 +266,8 @@ static int close_log(void)
     return failed ? error_failed("%s: %s: is the disk full?", log_path, strerror(errno)) : 0;
 }
 
+/* Standard output is data: a program that could not write it has failed, also when an early write failed and the last
+ * one did not. A failure that set no status counts as EXIT_FAILED. */
 int cli_finish(struct cli *cli, int status)
 {
     struct rusage usage;

@@ -1,3 +1,5 @@
+/* The command's own parser sees argv from its name on; it calls itself by program_invocation_short_name, "report map",
+ * in its help, its version and its messages. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* Paths are borrowed, but for those of a list file, whose text the struct owns: its lines are cut in place. */
 #include "pipeline/command/cli_inputs.h"
 
 #include <errno.h>

@@ -1,3 +1,5 @@
+/* Two paths are one file when device and inode agree. Only files that exist can be overwritten, and only regular ones
+ * lose something: /dev/null may be named as often as one likes. */
 #include "pipeline/command/cli_overwrite.h"
 
 #include <sys/stat.h>

@@ -1,3 +1,6 @@
+/* One judge for two sources: text of the command line (option_take) and values of the scene (options_read) end in the
+ * same is_allowed() and store_number(), and the messages of both, and --help, print the same range. What differs is
+ * the type of what comes in: text has no types, JSON has, so that "3" in quotes is no number there. */
 #include "pipeline/command/option_table.h"
 
 #include <float.h>
@@ -20,6 +23,7 @@ static void *member_of(const struct option_row *row, void *options)
     return (char *)options + row->at;
 }
 
+/* Must the value have no fraction? */
 static int is_whole(const struct option_row *row)
 {
     return row->type == OPTION_WHOLE || row->type == OPTION_LONG;
@@ -59,6 +63,7 @@ static int is_allowed(const struct option_row *row, double value)
            (row->zero && value == 0);
 }
 
+/* The member of a numeric row, which holds the default until something is taken. */
 static double number_of(const struct option_row *row, const void *options)
 {
     const char *member = (const char *)options + row->at;
@@ -82,6 +87,7 @@ static void print_default(const struct option_row *row, const void *options, cha
         snprintf(text, size, "default %s", *(const char *const *)member);
 }
 
+/* "help (range; default; scene: key)", each part only where the row has it. */
 char *option_describe(const struct option_row *row, const char *section, const void *options)
 {
     char parts[3][500] = {"", "", ""}, *text = NULL;
@@ -119,6 +125,8 @@ int option_choice(const char *text, const char *const words[])
     return error_input("give one of: %s", list);
 }
 
+/* Whole numbers were judged to lie within their type (max of the row), so the casts are exact. A number undoes an
+ * earlier "auto". */
 static void store_number(const struct option_row *row, double value, void *options)
 {
     void *member = member_of(row, options);
@@ -167,6 +175,7 @@ int option_take(const struct option_row *row, const char *text, void *options)
 
 /* ---- the scene ---- */
 
+/* A section of the scene that is being read. */
 struct section {
     const struct option_row *rows;
     const struct json *json;
@@ -174,6 +183,7 @@ struct section {
     void *options;
 };
 
+/* Not json_number(): its ranges know neither the 0 beside them nor "auto". */
 static int read_number(const struct section *section, const cJSON *object, const char *key,
                        const struct option_row *row, void *options)
 {
@@ -192,6 +202,8 @@ static int read_number(const struct section *section, const cJSON *object, const
     return 0;
 }
 
+/* Text, words and grammars: as if the text stood on the command line, with its place in the scene before the message.
+ */
 static int read_text(const struct section *section, const cJSON *object, const char *key, const struct option_row *row,
                      void *options)
 {
@@ -258,6 +270,8 @@ static size_t list_names(const struct section *section, const char *prefix, size
     return count;
 }
 
+/* Keys that no row names are refused first, so that a misspelt key is not taken for one left out. A member is a group
+ * of its own where its row's key goes on with a dot. */
 static int read_group(const struct section *section, const cJSON *object, const char *prefix, size_t length)
 {
     char names[OPTION_MOST][40];

@@ -79,6 +79,7 @@ static int complete(const char *scene_path, struct budget *b)
     return 0;
 }
 
+/* A table for people on stdout; the same numbers as JSON with --json. */
 static int run(struct options *options)
 {
     struct figures figures = {.count = 0};

@@ -38,6 +38,7 @@ static const char documentation[] =
     "  report compare --from truth/0000.photo-truth.hdf 0003.tracks.hdf truth/0003.photo-truth.hdf\n"
     "  report compare --method qsm 0003.forces.hdf truth/0003.truth.hdf --json qsm.json";
 
+/* Photo side, px. Where A's grains started is in its own columns (tracks), else in --from-a; B's is in --from. */
 static int compare_photos(const struct options *options, const struct loaded *a, const struct loaded *b,
                           struct figures *figures)
 {
@@ -55,6 +56,7 @@ static int compare_photos(const struct options *options, const struct loaded *a,
     return result;
 }
 
+/* NULL: the default order, as for A. */
 static const char *truth_method(const struct options *options, const struct packing *b)
 {
     if (options->truth_method || !packing_forces(b, "dem"))
@@ -62,6 +64,7 @@ static const char *truth_method(const struct options *options, const struct pack
     return "dem";
 }
 
+/* The JSON file is written before the table is printed: a failure leaves no table that looks good. */
 static int run(const struct options *options)
 {
     struct loaded a = {0}, b = {0};

@@ -51,6 +51,7 @@ static const char documentation[] =
     "  report export --series out/*.forces.hdf -o out/all.hdf.series\n\n"
     "ParaView opens a .forces.hdf as it is, and the .hdf.series as a film with physical times.";
 
+/* The first that was asked for; check() has seen that it is the only one. */
 static enum format format_of(const struct options *options)
 {
     int k = 0;
@@ -59,6 +60,7 @@ static enum format format_of(const struct options *options)
     return (enum format)k;
 }
 
+/* Formats with frames or steps; the others hold one state. */
 static int takes_many(enum format format)
 {
     return format == XYZ || format == LAMMPS || format == LAMMPS_LOCAL || format == SERIES;
@@ -97,6 +99,7 @@ static int write_one(const struct options *options, const struct loaded *loaded,
     }
 }
 
+/* A series for ParaView is made of names and times: its states are not read whole. */
 static int write_all(const struct options *options, FILE *stream)
 {
     int result = 0;
@@ -112,6 +115,7 @@ static int write_all(const struct options *options, FILE *stream)
     return result;
 }
 
+/* Into memory first: an output file is whole or is not there. */
 static int run(const struct options *options)
 {
     char *text = NULL;

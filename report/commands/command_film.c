@@ -29,6 +29,7 @@ static const char documentation[] =
     "  report film --method qsm out/*.forces.hdf -o frames\n"
     "  ffmpeg -framerate 5 -pattern_type glob -i 'frames/*.png' -pix_fmt yuv420p film.mp4";
 
+/* The scene places the photos behind the forces; without it there are circles. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};

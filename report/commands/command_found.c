@@ -20,6 +20,7 @@ static const char documentation[] =
     "Example:\n"
     "  report found 0000.grains.hdf";
 
+/* On stdout, or into -o. A frame that is missing is said on stderr: stdout is pasted into a scene. */
 static int run(const struct options *options)
 {
     struct found found;

@@ -48,6 +48,7 @@ static int read_threshold(const char *path, double *threshold)
     return status;
 }
 
+/* Bins in the middle of their levels; the threshold a vertical line from the least to the largest share. */
 static int draw(const struct histogram *histogram, double threshold, const char *path)
 {
     struct chart chart = {
@@ -77,6 +78,7 @@ static int draw(const struct histogram *histogram, double threshold, const char 
     return result;
 }
 
+/* With a scene: its channel and size, and only the pixels inside its frame. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};

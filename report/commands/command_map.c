@@ -42,6 +42,7 @@ static const char documentation[] =
     "  report map 0003.tracks.hdf --photo photos/0003.tif -o tracks.png\n"
     "  report map 0003.forces.hdf --photo photos/0003.tif --scene scene.json -o 0003.svg";
 
+/* map_measure() sets the size of the picture, which the canvas needs first. */
 static int draw(struct map *map, const char *path)
 {
     struct canvas canvas;
@@ -54,12 +55,14 @@ static int draw(struct map *map, const char *path)
     return canvas_commit(&canvas);
 }
 
+/* NULL: no photo, which stays empty. */
 static int read_photo(const char *path, struct photo *photo)
 {
     struct photo_request request = {.channel = PHOTO_GREY_OF_RGB};
     return path ? photo_read(path, &request, photo) : 0;
 }
 
+/* Files of findgrains and tracker: px of the photo, so nothing has to place it. */
 static int run_photo_side(const struct options *options, const struct loaded *loaded, const char *title)
 {
     struct photo photo = {0};
@@ -96,6 +99,7 @@ static int read_scene(const struct options *options, struct scene *scene)
     return isnan(scene->scale) ? scene_lacks(scene, "scale_m_per_px", "report map places the photo by it") : 0;
 }
 
+/* Files in m: a photo behind them needs the scene's scale and origin. */
 static int run_si_side(const struct options *options, const struct loaded *loaded, const char *title)
 {
     struct scene scene = {0};
@@ -115,6 +119,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
     return result;
 }
 
+/* The ending of -o is looked at before the state is read. */
 static int run(const struct options *options)
 {
     struct loaded loaded;

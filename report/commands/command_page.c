@@ -49,6 +49,7 @@ static int check(void *input)
     return options->cli.inputs.count || options->list ? 0 : error_input("give the state files of the series");
 }
 
+/* The page is made in memory: it appears whole. Pictures are files of their own as they are drawn. */
 static int write_page(const struct options *options, const struct page *page, const struct series *series)
 {
     struct html html;
@@ -67,6 +68,7 @@ static int write_page(const struct options *options, const struct page *page, co
     return result;
 }
 
+/* The page links to files that lie beside it, so it is told the folder in which it will lie. */
 static int run(struct options *options)
 {
     struct scene scene = {0};

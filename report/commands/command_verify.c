@@ -29,6 +29,7 @@ static int check(void *input)
     return options->cli.inputs.count || options->list ? 0 : error_input("give the state files to verify");
 }
 
+/* Differences are data, on stdout; that there are some is an error, for drivers. */
 static int run(struct options *options)
 {
     struct scene scene = {0};

@@ -1,3 +1,5 @@
+/* Numbers and words are rows of one table; lists (grading, discs, steps), and what two keys tell together, are read and
+ * checked by the functions before it. Everything is judged before the first time step: a simulation can take hours. */
 #include "simulation/dem/simulate_scene.h"
 
 #include <float.h>
@@ -40,6 +42,7 @@ static int read_rows(const struct json *json, const cJSON *section, const char *
     return 1;
 }
 
+/* Rows [count, diameter in m]. */
 static int read_grading(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     double(*rows)[2] = NULL, total = 0;
@@ -82,6 +85,7 @@ static int read_disc(const struct json *json, const cJSON *item, struct placed_d
     return 0;
 }
 
+/* Discs placed one by one, m; box_m puts walls around them. */
 static int read_discs(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     const cJSON *list = NULL, *item;
@@ -128,6 +132,7 @@ static int check_stresses(const struct scene *scene, const cJSON *section, const
     return 0;
 }
 
+/* Strains, stresses or cycles, as the test goes; a row is [count, amount]. */
 static int read_steps(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     struct simulation *simulation = &plan->simulation;
@@ -185,6 +190,7 @@ static int complete_pressure(const struct scene *scene, const cJSON *section, st
     return 0;
 }
 
+/* No default: half a swing of the stress is what the test is about. */
 static int check_test(const struct scene *scene, const cJSON *section, const struct simulation *simulation)
 {
     if (simulation->test == TEST_CYCLIC && !cJSON_GetObjectItemCaseSensitive(section, "stress_amplitude"))
@@ -192,6 +198,7 @@ static int check_test(const struct scene *scene, const cJSON *section, const str
     return 0;
 }
 
+/* What is left out is not modelled, but without these there is no motion. */
 static int check_needs(const struct scene *scene, const cJSON *section)
 {
     if (!section)

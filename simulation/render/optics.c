@@ -1,3 +1,5 @@
+/* The look of a photo as a table of rows; dots in a key are groups of the section. Lists (paint, labels) are read by
+ * functions of their own. */
 #include "simulation/render/optics.h"
 
 #include <stdlib.h>
@@ -6,6 +8,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
+/* [low, high] in that order, both within [min, max]. */
 static int read_range(const struct json *json, const cJSON *object, const char *key, double min, double max,
                       double *low, double *high)
 {
@@ -21,6 +24,7 @@ static int read_range(const struct json *json, const cJSON *object, const char *
     return 1;
 }
 
+/* All three keys are needed: a paint without one of them would be invisible, or everywhere. */
 static int read_paint(const struct json *json, const cJSON *object, struct paint *paint)
 {
     static const char *const keys[] = {"radius_px", "coverage", "level", NULL};
@@ -38,6 +42,7 @@ static int read_paint(const struct json *json, const cJSON *object, struct paint
     return 0;
 }
 
+/* A list replaces the surface's default paints, an empty one removes them. */
 static int read_paints(const struct json *json, const cJSON *object, struct surface *surface)
 {
     const cJSON *list = NULL, *item;
@@ -51,6 +56,7 @@ static int read_paints(const struct json *json, const cJSON *object, struct surf
     return 0;
 }
 
+/* Rectangles [x0, y0, x1, y1], px. */
 static int read_labels(const struct json *json, const cJSON *section, struct optics *optics)
 {
     const cJSON *list = NULL, *item;
@@ -74,6 +80,8 @@ static int read_labels(const struct json *json, const cJSON *section, struct opt
     return 0;
 }
 
+/* The camera stands still for the reference photo; elsewhere each motion is a normal number that depends on seed and
+ * index alone, so that any photo can be drawn by itself. */
 struct view optics_view(const struct optics *optics, long index, long reference)
 {
     const struct view *wander = &optics->wander;
