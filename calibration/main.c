@@ -1,6 +1,7 @@
 /* calibration: one program of many commands; each is a row here and a file in calibration/commands. */
 #include "calibration/commands/calibration_commands.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 
 static const struct subcommand commands[] = {
     {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
@@ -15,6 +16,7 @@ static const struct subcommand commands[] = {
 
 int main(int argc, char **argv)
 {
+    read_record_begin();
     return cli_command("calibration", "What a scene must know about the grains and the camera, from experiments.",
                        commands, argc, argv);
 }

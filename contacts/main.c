@@ -5,6 +5,7 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
 
@@ -20,10 +21,8 @@ static int run(struct arguments *arguments)
     const char *path = arguments->cli.inputs.paths[0];
     struct contact_summary summary;
     int status = radii ? scene_read(arguments->cli.scene, &scene) : error_memory("further radii");
-    if (status == 0 && scene.lens)
-        status = lens_read(scene.lens, &lens);
-    if (status == 0)
-        status = photo_state_read(path, &photo);
+    if (status == 0 && ((scene.lens && lens_read(scene.lens, &lens)) || photo_state_read(path, &photo)))
+        status = -1;
     if (status == 0 && arguments->previous)
         status = packing_read(arguments->previous, &previous) ||
                          state_check_order(arguments->previous, &previous.info, &photo.info)
@@ -72,6 +71,7 @@ static int run(struct arguments *arguments)
 int main(int argc, char **argv)
 {
     struct arguments arguments = ARGUMENTS_DEFAULT;
+    read_record_begin();
     arguments_parse(argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);

@@ -2,6 +2,7 @@
 #include "findgrains/grains_of_photo.h"
 #include "findgrains/picture/overlay.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 
 static const char doc[] =
@@ -59,6 +60,7 @@ int main(int argc, char **argv)
     struct arguments arguments = {.cli = CLI_DEFAULT};
     const struct program program = {"PHOTO.tif", doc, rows, &arguments, NULL, 1, 1, "which photo? Give one TIFF file",
                                     check};
+    read_record_begin();
     cli_parse(&program, argc, argv);
     int status = cli_finish(&arguments.cli, run(&arguments));
     overlay_forget_fonts();

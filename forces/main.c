@@ -4,11 +4,11 @@
 #include "forces/add_forces.h"
 #include "forces/add_series.h"
 #include "forces/options.h"
+#include "pipeline/files/read_record.h"
 
 #define MISFIT_NOTED 1.5
 #define OVERLAPS_NOTED 1.4
-
-static const char UNBALANCED[] = "grains are out of balance by more than 1 %";
+#define UNBALANCED "grains are out of balance by more than 1 %"
 
 /* Forces can be in equilibrium and yet not what the photos say. */
 static void say_misfit(const struct series_outcome *outcome)
@@ -43,7 +43,6 @@ static int run_series(const struct force_arguments *arguments, const struct scen
     return cli_flagged(cli, outcome.unbalanced, outcome.grains, UNBALANCED);
 }
 
-/* One packing: the methods stand side by side in one file. */
 static int run_one(const struct force_arguments *arguments, const struct scene *scene)
 {
     const struct force_request request = {.scene = scene,
@@ -75,6 +74,7 @@ static int run(struct force_arguments *arguments)
 int main(int argc, char **argv)
 {
     struct force_arguments arguments = FORCE_ARGUMENTS_DEFAULT;
+    read_record_begin();
     force_arguments_parse(argc, argv, &arguments);
     return cli_finish(&arguments.cli, run(&arguments));
 }

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "simulation/render/render.h"
 #include "simulation/render/render_truth.h"
@@ -45,6 +46,7 @@ int main(int argc, char **argv)
     struct cli cli = CLI_DEFAULT;
     const struct program program = {
         "N.truth.hdf", help, NULL, &cli, NULL, 1, 1, "give the packing to photograph: one N.truth.hdf", NULL};
+    read_record_begin();
     cli_parse(&program, argc, argv);
     return cli_finish(&cli, run(&cli));
 }

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "simulation/series_folder.h"
 #include "simulation/dem/simulate_scene.h"
@@ -50,6 +51,7 @@ int main(int argc, char **argv)
 {
     struct cli cli = CLI_DEFAULT;
     const struct program program = {NULL, doc, NULL, &cli, NULL, 0, 0, NULL, NULL};
+    read_record_begin();
     cli_parse(&program, argc, argv);
     return cli_finish(&cli, run(&cli));
 }

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "pipeline/command/cli.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "tracker/track_series.h"
 
@@ -9,7 +10,6 @@ struct options {
     struct cli cli;
     struct series_paths paths;
 };
-
 #define AT(field) .at = offsetof(struct options, field)
 static const struct option_row rows[] = {
     {"grains", NULL, OPTION_TEXT, AT(paths.grains), "FILE",
@@ -42,8 +42,7 @@ static int check(void *input)
     for (size_t k = 1; k < options->cli.inputs.count; k++)
         for (size_t m = 0; m < k; m++)
             if (same_stem(photos[k], photos[m]))
-                return error_input("%s has the name of %s, and its tracks would replace those: rename one, or track "
-                                   "it alone",
+                return error_input("%s and %s have one name and so one file of tracks: rename one, or track it alone",
                                    photos[k], photos[m]);
     return 0;
 }
@@ -74,8 +73,8 @@ static int run(const struct options *options)
 int main(int argc, char **argv)
 {
     struct options options = {.cli = CLI_DEFAULT};
-    const struct program program = {"PHOTO.tif...",      help, rows, &options, NULL, 1, CLI_MANY,
-                                    "no photo is given", check};
+    const struct program program = {"PHOTO.tif...", help, rows, &options, NULL, 1, CLI_MANY, "give a photo", check};
+    read_record_begin();
     cli_parse(&program, argc, argv);
     return cli_finish(&options.cli, run(&options));
 }

@@ -76,16 +76,21 @@ static int read_lines(FILE *file, struct text *text)
     char *line = NULL;
     size_t room = 0, row = 0;
     long number = 0;
-    int status = 0;
+    int status = 0, rows_end = 0;
     while (!status && getline(&line, &room, file) >= 0) {
         double values[COLUMNS_MAX];
         number++;
-        if (text->rows && row == text->rows) {
-            text->conf |= !strncmp(line, "#CORNERS", 8);
-            continue;
-        }
         if (line[strspn(line, " \t\r\n")] == '\0')
             continue;
+        if (text->rows && row == text->rows) {
+            text->conf |= !strncmp(line, "#CORNERS", 8);
+            rows_end |= *line == '#'; /* blocks of the original programs, which are not read */
+            if (!rows_end)
+                status = error_input("%s: line %ld: there are more grains than the %zu that its first line counts: "
+                                     "correct the count",
+                                     text->path, number, text->rows);
+            continue;
+        }
         if (!text->rows) {
             status = read_count(text, line, values);
             continue;
@@ -124,6 +129,39 @@ static const double *row_of(const struct text *text, size_t k)
     return text->values + k * (size_t)text->columns;
 }
 
+struct place {
+    double x, y;
+    size_t row;
+};
+
+static int by_place(const void *left, const void *right)
+{
+    const struct place *a = left, *b = right;
+    if (a->x != b->x)
+        return a->x < b->x ? -1 : 1;
+    if (a->y != b->y)
+        return a->y < b->y ? -1 : 1;
+    return a->row < b->row ? -1 : a->row > b->row;
+}
+
+/* One grain in two rows would be followed, touched and loaded twice. */
+static int check_places(const char *path, const struct photo_grains *grains)
+{
+    struct place *places = malloc((grains->count + 1) * sizeof *places);
+    int status = places ? 0 : error_memory("the places of grains");
+    for (size_t k = 0; k < grains->count && places; k++)
+        places[k] = (struct place){grains->x_px[k], grains->y_px[k], k};
+    if (places)
+        qsort(places, grains->count, sizeof *places, by_place);
+    for (size_t k = 1; k < grains->count && !status; k++)
+        if (places[k].x == places[k - 1].x && places[k].y == places[k - 1].y)
+            status = error_input("%s: grains %zu and %zu have the same centre: leave one of them out, and correct the "
+                                 "count",
+                                 path, places[k - 1].row, places[k].row);
+    free(places);
+    return status;
+}
+
 int original_read_grains(const char *path, struct photo_grains *grains)
 {
     static const char *const names[] = {"x_px", "y_px", "radius_px", "flags", NULL};
@@ -139,6 +177,7 @@ int original_read_grains(const char *path, struct photo_grains *grains)
         grains->y_px[k] = row[1];
         grains->radius_px[k] = row[3];
     }
+    status = status || check_places(path, grains) ? -1 : 0;
     if (status)
         table_free(&PHOTO_GRAINS, grains);
     free(text.values);

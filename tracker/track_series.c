@@ -10,7 +10,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/json.h"
 #include "pipeline/state/state.h"
-#include "pipeline/files/sha256.h"
+#include "pipeline/files/read_record.h"
 #include "tracker/original.h"
 #include "tracker/tracker_options.h"
 
@@ -35,7 +35,7 @@ static int check_reference(const char *path, const struct state_info *info, cons
     if (!info->inputs || strcmp(info->stage, "findgrains"))
         return 0;
     struct json *json = json_parse(info->inputs, strlen(info->inputs), path);
-    if (!json || file_sha256(reference, digest)) {
+    if (!json || read_record_digest(reference, digest)) {
         json_free(json);
         return -1;
     }
@@ -90,10 +90,9 @@ static int series_open(struct series *series)
     series->options.keep = paths->photo_count > 1;
     series->parameters = tracker_options_print(&series->options);
     int text = original_is_text(paths->grains);
-    if (!series->parameters ||
+    if (!series->parameters || photo_read(paths->reference, &request, &series->reference) ||
         (text ? original_read_grains(paths->grains, &series->grains)
-              : read_grains(paths->grains, "seen", circle, paths->reference, &series->grains)) ||
-        photo_read(paths->reference, &request, &series->reference))
+              : read_grains(paths->grains, "seen", circle, paths->reference, &series->grains)))
         return -1;
     if (paths->previous) {
         text = original_is_text(paths->previous);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 
 static int check(int fd, const char *path, size_t most)
@@ -23,15 +24,33 @@ static int check(int fd, const char *path, size_t most)
     return 0;
 }
 
-FILE *input_file_open(const char *path, size_t most)
+int input_descriptor(const char *path, size_t most)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK); /* a pipe without a writer opens at once */
-    if (fd < 0) {
-        error_set(EXIT_INPUT, "%s: %s: name a file that can be read", path, strerror(errno));
+    if (fd < 0)
+        return error_input("%s: %s: name a file that can be read", path, strerror(errno));
+    if (!check(fd, path, most))
+        return fd;
+    close(fd);
+    return -1;
+}
+
+/* Editors of Windows begin a text with one; nobody sees it. */
+static FILE *skip_byte_order_mark(FILE *file)
+{
+    char mark[3];
+    if (file && (fread(mark, 1, sizeof mark, file) != sizeof mark || memcmp(mark, "\xEF\xBB\xBF", sizeof mark)))
+        rewind(file);
+    return file;
+}
+
+FILE *input_file_open(const char *path, size_t most)
+{
+    int fd = input_descriptor(path, most);
+    if (fd < 0)
         return NULL;
-    }
-    int refused = check(fd, path, most);
-    FILE *file = refused ? NULL : fdopen(fd, "r");
+    int refused = read_record_note(path, fd);
+    FILE *file = refused ? NULL : skip_byte_order_mark(fdopen(fd, "r"));
     if (file)
         return file;
     if (!refused)

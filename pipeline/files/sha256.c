@@ -3,22 +3,23 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <openssl/evp.h>
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/input_file.h"
 
-static int digest_stream(FILE *stream, EVP_MD_CTX *context, unsigned char digest[32])
+static int digest_stream(int fd, EVP_MD_CTX *context, unsigned char digest[32])
 {
     unsigned char block[1 << 16];
-    size_t length;
+    ssize_t length;
     if (!context || !EVP_DigestInit_ex(context, EVP_sha256(), NULL))
         return error_memory("SHA-256");
-    while ((length = fread(block, 1, sizeof block, stream)) > 0)
-        if (!EVP_DigestUpdate(context, block, length))
+    while ((length = read(fd, block, sizeof block)) > 0 || (length < 0 && errno == EINTR))
+        if (length > 0 && !EVP_DigestUpdate(context, block, (size_t)length))
             return error_failed("SHA-256 failed");
-    if (ferror(stream))
+    if (length < 0)
         return error_input("cannot be read: %s: check the file", strerror(errno));
     return EVP_DigestFinal_ex(context, digest, NULL) ? 0 : error_failed("SHA-256 failed");
 }
@@ -38,18 +39,23 @@ int text_sha256(const char *content, char text[65])
     return 0;
 }
 
-int file_sha256(const char *path, char text[65])
+int descriptor_sha256(int fd, char text[65])
 {
     unsigned char digest[32] = {0};
-    FILE *stream = input_file_open(path, 0);
-    if (!stream)
-        return -1;
     EVP_MD_CTX *context = EVP_MD_CTX_new();
-    int failed = digest_stream(stream, context, digest);
+    int failed = digest_stream(fd, context, digest);
     EVP_MD_CTX_free(context);
-    fclose(stream);
-    if (failed)
-        return error_context("%s", path);
-    print_digest(digest, text);
-    return 0;
+    if (!failed)
+        print_digest(digest, text);
+    return failed;
+}
+
+int file_sha256(const char *path, char text[65])
+{
+    int fd = input_descriptor(path, 0);
+    if (fd < 0)
+        return -1;
+    int failed = descriptor_sha256(fd, text);
+    close(fd);
+    return failed ? error_context("%s", path) : 0;
 }

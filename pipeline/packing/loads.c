@@ -20,10 +20,22 @@ enum { FIELDS = 4 };
 
 /* What the file says about one photo. */
 struct rows {
-    enum kind kind;
     int given[4];         /* which sides or corners; [0] for a stress */
     struct vec force[4];  /* N */
     double sxx, syy, sxy; /* Pa */
+};
+
+/* One line of the file. */
+struct row {
+    long index, line;
+    int where; /* side or corner; 0 for a stress */
+    double value[3];
+};
+
+struct table {
+    enum kind kind;
+    struct row *rows; /* by index, then by line */
+    size_t count;
 };
 
 struct reader {
@@ -56,10 +68,7 @@ static char *next_line(struct reader *reader, int *failed)
             *failed = error_input("%s:%ld: a zero byte: save the table as plain text", reader->path, reader->number);
             return NULL;
         }
-        char *text = reader->line;
-        if (reader->number == 1 && !strncmp(text, "\xEF\xBB\xBF", 3))
-            text += 3; /* spreadsheets write a byte order mark */
-        text = trim(text);
+        char *text = trim(reader->line);
         if (*text)
             return text;
     }
@@ -125,54 +134,137 @@ static int read_header(struct reader *reader, enum kind *kind)
                        reader->number ? reader->number : 1, headers[0], headers[1], headers[2]);
 }
 
-/* One row; it counts when it belongs to the wanted photo. */
-static int read_row(const struct reader *reader, char *line, int64_t wanted, struct rows *rows)
+static int read_row(const struct reader *reader, enum kind kind, char *line, struct row *row)
 {
     char *fields[FIELDS];
-    long index;
-    double value[3] = {0};
-    int where = 0, stress = rows->kind == BY_STRESS;
+    int stress = kind == BY_STRESS;
+    *row = (struct row){.line = reader->number};
     if (split(reader, line, fields))
         return -1;
-    if (number_parse_integer(fields[0], &index) || index < 0)
+    if (number_parse_integer(fields[0], &row->index) || row->index < 0)
         return error_input("%s:%ld: '%.40s' is no index: give the number of a photo", reader->path, reader->number,
                            fields[0]);
     for (int k = stress ? 0 : 1; k < 3; k++)
-        if (read_cell(reader, fields[k + 1], &value[k]))
+        if (read_cell(reader, fields[k + 1], &row->value[k]))
             return -1;
-    const char *const *words = rows->kind == BY_CORNER ? corners : sides;
-    if (!stress && (where = find_word(words, fields[1])) < 0)
+    const char *const *words = kind == BY_CORNER ? corners : sides;
+    if (!stress && (row->where = find_word(words, fields[1])) < 0)
         return error_input("%s:%ld: unknown %s '%.40s': give one of: %s, %s, %s, %s", reader->path, reader->number,
-                           rows->kind == BY_CORNER ? "corner" : "wall", fields[1], words[0], words[1], words[2],
-                           words[3]);
-    if (index != wanted)
-        return 0;
-    if (rows->given[where]++)
-        return error_input("%s:%ld: photo %ld has this load twice: keep one of them", reader->path, reader->number,
-                           index);
-    rows->force[where] = vec(value[1], value[2]);
-    if (stress) {
-        rows->sxx = value[0];
-        rows->syy = value[1];
-        rows->sxy = value[2];
+                           kind == BY_CORNER ? "corner" : "wall", fields[1], words[0], words[1], words[2], words[3]);
+    return 0;
+}
+
+static int by_index(const void *left, const void *right)
+{
+    const struct row *a = left, *b = right;
+    if (a->index != b->index)
+        return a->index < b->index ? -1 : 1;
+    return a->line < b->line ? -1 : a->line > b->line;
+}
+
+static int read_table(struct reader *reader, struct table *table)
+{
+    int failed = 0;
+    size_t room = 0;
+    char *line;
+    if (read_header(reader, &table->kind))
+        return -1;
+    while ((line = next_line(reader, &failed))) {
+        if (table->count == room) {
+            room = room ? 2 * room : 64;
+            struct row *grown = realloc(table->rows, room * sizeof *grown);
+            if (!grown)
+                return error_memory("loads");
+            table->rows = grown;
+        }
+        if (read_row(reader, table->kind, line, &table->rows[table->count++]))
+            return -1;
+    }
+    if (table->count)
+        qsort(table->rows, table->count, sizeof *table->rows, by_index);
+    return failed;
+}
+
+static int table_open(const char *path, struct table *table)
+{
+    struct reader reader = {.path = path, .file = input_file_open(path, INPUT_FILE_TEXT)};
+    *table = (struct table){0};
+    if (!reader.file)
+        return -1;
+    int status = read_table(&reader, table);
+    free(reader.line);
+    fclose(reader.file);
+    if (status)
+        free(table->rows);
+    return status;
+}
+
+/* ---- one photo ---- */
+
+/* The rows of a photo; *at, the first row that may be one, moves behind them. */
+static int take_photo(const char *path, const struct table *table, int64_t index, size_t *at, struct rows *rows)
+{
+    *rows = (struct rows){0};
+    while (*at < table->count && table->rows[*at].index < index)
+        ++*at;
+    if (*at == table->count || table->rows[*at].index > index)
+        return error_input("%s: no row for photo %lld: add its loads", path, (long long)index);
+    for (; *at < table->count && table->rows[*at].index == index; ++*at) {
+        const struct row *row = &table->rows[*at];
+        if (rows->given[row->where]++)
+            return error_input("%s:%ld: photo %ld has this load twice: keep one of them", path, row->line, row->index);
+        rows->force[row->where] = vec(row->value[1], row->value[2]);
+        if (table->kind == BY_STRESS)
+            rows->sxx = row->value[0], rows->syy = row->value[1], rows->sxy = row->value[2];
     }
     return 0;
 }
 
-static int read_rows(struct reader *reader, int64_t index, struct rows *rows)
+static double known_or_zero(double value)
 {
-    int failed = 0;
-    char *line;
-    if (read_header(reader, &rows->kind))
-        return -1;
-    while ((line = next_line(reader, &failed)))
-        if (read_row(reader, line, index, rows))
-            return -1;
-    if (failed)
-        return -1;
-    if (!rows->given[0] && !rows->given[1] && !rows->given[2] && !rows->given[3])
-        return error_input("%s: no row for photo %lld: add its loads", reader->path, (long long)index);
-    return 0;
+    return isnan(value) ? 0 : value;
+}
+
+/* How hard a photo's loads press inwards: the mean of the normal components that are known (Pa or N); below 0 they
+ * pull.
+ */
+static double pressing(enum kind kind, const struct rows *rows)
+{
+    static const struct vec inward[] = {{0, 1}, {-1, 0}, {0, -1}, {1, 0}};                     /* of sides */
+    static const struct vec diagonal[] = {{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}, {0.5, -0.5}}; /* of corners */
+    const struct vec *towards = kind == BY_CORNER ? diagonal : inward;
+    double sum = 0;
+    if (kind == BY_STRESS)
+        return (known_or_zero(rows->sxx) + known_or_zero(rows->syy)) / 2;
+    for (int k = 0; k < 4; k++)
+        if (rows->given[k])
+            sum += known_or_zero(rows->force[k].x) * towards[k].x + known_or_zero(rows->force[k].y) * towards[k].y;
+    return sum / 4;
+}
+
+/* A heap of grains without glue cannot be pulled. Zeros of load cells are not exact: what is small beside the largest
+ * load of the test is forgiven. */
+#define PULL_FORGIVEN 0.05
+
+static double largest_load(const struct table *table)
+{
+    double largest = 0;
+    for (size_t k = 0; k < table->count; k++)
+        for (int v = 0; v < 3; v++)
+            largest = fmax(largest, fabs(known_or_zero(table->rows[k].value[v])));
+    return largest;
+}
+
+static int check_sign(const char *path, const struct table *table, int64_t index, const struct rows *rows)
+{
+    double press = pressing(table->kind, rows);
+    if (press >= -PULL_FORGIVEN / 4 * largest_load(table))
+        return 0;
+    return error_input(
+        "%s: photo %lld: the loads pull outwards, which no packing of loose grains can stand: is the sign "
+        "turned? Forces act on the walls from outside (right wall in compression: fx < 0), stresses are "
+        "positive in compression",
+        path, (long long)index);
 }
 
 /* ---- loads of the walls ---- */
@@ -186,11 +278,6 @@ static int set_load(const char *path, struct walls *walls, int side, struct vec 
     walls->fx[w] = force.x;
     walls->fy[w] = force.y;
     return 0;
-}
-
-static double known_or_zero(double value)
-{
-    return isnan(value) ? 0 : value;
 }
 
 /* Force from outside on a wall: -stress . outward normal . length . length_m (compression positive). A component that
@@ -244,13 +331,13 @@ static int apply_corners(const char *path, struct rows *rows, struct walls *wall
     return 0;
 }
 
-static int apply(const char *path, struct rows *rows, double length_m, struct walls *walls)
+static int apply(const char *path, enum kind kind, struct rows *rows, double length_m, struct walls *walls)
 {
     if (table_add(&WALLS, walls, "fx") || table_add(&WALLS, walls, "fy"))
         return -1;
-    if (rows->kind == BY_STRESS)
+    if (kind == BY_STRESS)
         return apply_stress(path, rows, length_m, walls);
-    if (rows->kind == BY_CORNER)
+    if (kind == BY_CORNER)
         return apply_corners(path, rows, walls);
     for (int k = 0; k < 4; k++)
         if (rows->given[k] && set_load(path, walls, k, rows->force[k]))
@@ -258,25 +345,30 @@ static int apply(const char *path, struct rows *rows, double length_m, struct wa
     return 0;
 }
 
-static int read_file(const char *path, int64_t index, struct rows *rows)
+int loads_check(const char *path, const int64_t *photos, size_t count)
 {
-    struct reader reader = {.path = path, .file = input_file_open(path, INPUT_FILE_TEXT)};
-    if (!reader.file)
+    struct table table;
+    size_t at = 0;
+    int status = table_open(path, &table);
+    if (status)
         return -1;
-    int status = read_rows(&reader, index, rows);
-    free(reader.line);
-    fclose(reader.file);
+    for (size_t k = 0; k < count && !status; k++) {
+        struct rows rows;
+        status = take_photo(path, &table, photos[k], &at, &rows) || check_sign(path, &table, photos[k], &rows) ? -1 : 0;
+    }
+    free(table.rows);
     return status;
-}
-
-int loads_check(const char *path, int64_t index)
-{
-    struct rows rows = {0};
-    return read_file(path, index, &rows);
 }
 
 int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls)
 {
-    struct rows rows = {0};
-    return read_file(path, index, &rows) ? -1 : apply(path, &rows, length_m, walls);
+    struct table table;
+    struct rows rows;
+    size_t at = 0;
+    if (table_open(path, &table))
+        return -1;
+    int status = take_photo(path, &table, index, &at, &rows) || apply(path, table.kind, &rows, length_m, walls) ||
+                 check_sign(path, &table, index, &rows);
+    free(table.rows);
+    return status ? -1 : 0;
 }

@@ -2,6 +2,7 @@
 #ifndef PIPELINE_LOADS_H
 #define PIPELINE_LOADS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "pipeline/packing/walls.h"
@@ -9,10 +10,11 @@
 /* Put the loads of photo `index` into the fx, fy of the walls. Headers: "index,wall,fx_N,fy_N" (a wall that is not
  * listed keeps NaN), "index,sxx_Pa,syy_Pa,sxy_Pa" (force on each wall = -stress . outward normal . length .
  * length_m), "index,corner,fx_N,fy_N" (hinge forces; each wall takes half of the two hinges at its ends; the fourth
- * follows from equilibrium). An empty cell is NaN. Unknown walls, indices that do not parse, or no row for this index:
- * an error with file and line. */
+ * follows from equilibrium). An empty cell is NaN. Unknown walls, indices that do not parse, no row for this index, two
+ * for one load, or loads that pull outwards: an error with file and line. */
 int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls);
-/* Can the file be read, and has it rows for this photo? The same errors; walls are not looked at. */
-int loads_check(const char *path, int64_t index);
+/* Can the file be read, and does it say of each of these photos (in ascending order) what loads_apply() needs? The same
+ * errors; walls are not looked at. */
+int loads_check(const char *path, const int64_t *photos, size_t count);
 
 #endif

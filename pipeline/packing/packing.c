@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_check.h"
 #include "pipeline/packing/stress.h"
 #include "pipeline/packing/vtk.h"
 
@@ -230,10 +231,11 @@ int packing_read(const char *path, struct packing *packing)
         return -1;
     int result = read_tables(state, path, packing) || read_forces(state, path, packing) ? -1 : 0;
     state_close(state);
+    packing->length_m = packing->info.length_m;
+    if (!result)
+        result = packing_check(path, packing);
     if (result)
         packing_free(packing);
-    else
-        packing->length_m = packing->info.length_m;
     return result;
 }
 

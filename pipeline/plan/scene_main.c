@@ -61,12 +61,25 @@ static int check_file(const struct scene *scene, const char *path)
     return 0;
 }
 
+static int check_loads(const struct scene *scene)
+{
+    const struct scene_photos *photos = &scene->photos;
+    size_t count = (size_t)(photos->last - photos->first + 1);
+    int64_t *numbers = malloc(count * sizeof *numbers);
+    if (!numbers)
+        return error_memory("the numbers of the photos");
+    for (size_t k = 0; k < count; k++)
+        numbers[k] = photos->first + (int64_t)k;
+    int status = loads_check(scene->loads, numbers, count);
+    free(numbers);
+    return status;
+}
+
 static int check(const struct scene *scene)
 {
     if (check_file(scene, scene->lens) || check_file(scene, scene->loads))
         return -1;
-    if (scene->loads && scene->photos.pattern &&
-        (loads_check(scene->loads, scene->photos.first) || loads_check(scene->loads, scene->photos.last)))
+    if (scene->loads && scene->photos.pattern && check_loads(scene))
         return -1;
     for (long index = scene->photos.first; scene->photos.pattern && index <= scene->photos.last; index++) {
         char *path = scene_photo_path(scene, index);

@@ -53,7 +53,7 @@ static int ignore_warning(TIFF *tiff, void *data, const char *module, const char
     return 1;
 }
 
-TIFF *tiff_open(const char *path, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages)
+TIFF *tiff_open(const char *path, int fd, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages)
 {
     memset(messages, 0, sizeof *messages);
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
@@ -64,7 +64,7 @@ TIFF *tiff_open(const char *path, const char *mode, tmsize_t max_alloc, struct t
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, max_alloc);
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, messages);
     TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, NULL);
-    TIFF *tiff = TIFFOpenExt(path, mode, options);
+    TIFF *tiff = fd < 0 ? TIFFOpenExt(path, mode, options) : TIFFFdOpenExt(fd, path, mode, options);
     TIFFOpenOptionsFree(options);
     return tiff;
 }
@@ -107,7 +107,7 @@ int photo_write(const char *path, const struct photo *photo)
         return error_input("%s: an empty photo cannot be written: give it pixels", path);
     if (new_file_begin(&file, path))
         return -1;
-    TIFF *tiff = tiff_open(file.temporary, "wl", (tmsize_t)1 << 30, &messages);
+    TIFF *tiff = tiff_open(file.temporary, -1, "wl", (tmsize_t)1 << 30, &messages);
     int failed = !tiff || write_strips(tiff, photo);
     if (tiff)
         TIFFClose(tiff);

@@ -1,18 +1,22 @@
 /* Reading a TIFF: what the header says is checked before anything is allocated, then every strip or tile goes straight
  * to its place. Plain grey strips are decoded into the pixels themselves; there is no second copy of the photo. */
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/photo.h"
 #include "pipeline/scene/photo_tiff.h"
 
 struct source {
     const char *path;
+    int fd;
     TIFF *tiff;
     struct tiff_messages messages;
     uint64_t file_bytes;
@@ -301,37 +305,42 @@ static int check_file(struct source *source)
 {
     struct stat status;
     unsigned char magic[4] = {0};
-    if (stat(source->path, &status))
+    if (fstat(source->fd, &status))
         return error_input("%s: cannot be opened: %s: check the path", source->path, strerror(errno));
     if (!S_ISREG(status.st_mode))
         return error_input("%s: is not a file: name a TIFF photo", source->path);
     if (status.st_size == 0)
         return error_input("%s: is empty (0 bytes): copy the photo again", source->path);
     source->file_bytes = (uint64_t)status.st_size;
-    FILE *stream = fopen(source->path, "rbe");
-    if (!stream)
-        return error_input("%s: cannot be opened: %s: check its permissions", source->path, strerror(errno));
-    size_t length = fread(magic, 1, sizeof magic, stream);
-    fclose(stream);
-    if (length != sizeof magic || !looks_like_tiff(magic))
+    if (pread(source->fd, magic, sizeof magic, 0) != sizeof magic || !looks_like_tiff(magic))
         return error_input("%s: is not a TIFF: export the photo as 16-bit grey TIFF", source->path);
+    return read_record_note(source->path, source->fd);
+}
+
+/* Not mapped into memory: a file that shrinks under us is then an error and not a signal. libtiff's own blocks hold
+ * compressed strips and tables, which lie in the file. */
+static int open_tiff(struct source *source)
+{
+    const char *path = source->path;
+    source->tiff = tiff_open(path, source->fd, "rm", (tmsize_t)(4 * source->file_bytes + (1 << 24)), &source->messages);
+    if (!source->tiff && source->messages.out_of_memory)
+        return error_memory(path);
+    if (!source->tiff)
+        return error_input("%s: is not a readable TIFF, or was cut short (%s): copy the photo again", path,
+                           source->messages.error);
     return 0;
 }
 
 int photo_read(const char *path, const struct photo_request *request, struct photo *photo)
 {
-    struct source source = {.path = path};
+    struct source source = {.path = path, .fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)};
     memset(photo, 0, sizeof *photo);
-    if (check_file(&source))
+    if (source.fd < 0)
+        return error_input("%s: cannot be opened: %s: check the path and its permissions", path, strerror(errno));
+    if (check_file(&source) || open_tiff(&source)) {
+        close(source.fd);
         return -1;
-    /* Not mapped into memory: a file that shrinks under us is then an error and not a signal. libtiff's own blocks
-     * hold compressed strips and tables, which lie in the file. */
-    source.tiff = tiff_open(path, "rm", (tmsize_t)(4 * source.file_bytes + (1 << 24)), &source.messages);
-    if (!source.tiff && source.messages.out_of_memory)
-        return error_memory(path);
-    if (!source.tiff)
-        return error_input("%s: is not a readable TIFF, or was cut short (%s): copy the photo again", path,
-                           source.messages.error);
+    }
     int result = check_header(&source, request) || read_pixels(&source, photo) ? -1 : 0;
     TIFFClose(source.tiff);
     return result;

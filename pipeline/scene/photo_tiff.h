@@ -10,8 +10,8 @@ struct tiff_messages {
     int out_of_memory; /* then error is "" */
 };
 
-/* Open with libtiff's mode; NULL on failure, messages->error then says why. Allocations above max_alloc bytes made by
- * libtiff on its own behalf fail. */
-TIFF *tiff_open(const char *path, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages);
+/* Open with libtiff's mode, for reading through that descriptor (which TIFFClose() closes; fd < 0: the path); NULL on
+ * failure, messages->error then says why. Allocations above max_alloc bytes made by libtiff on its own behalf fail. */
+TIFF *tiff_open(const char *path, int fd, const char *mode, tmsize_t max_alloc, struct tiff_messages *messages);
 
 #endif

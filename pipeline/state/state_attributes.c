@@ -10,20 +10,24 @@
 
 enum { LONGEST_TEXT = 16 << 20 };
 
-/* 1: open; 0: no such attribute; -1: error. */
+/* Of a group or a dataset. 1: open; 0: no such attribute; -1: error. */
+static int open_attribute_of(const struct state *state, hid_t place, const char *name, hid_t *attribute)
+{
+    htri_t exists = H5Aexists(place, name);
+    if (exists > 0)
+        *attribute = H5Aopen(place, name, H5P_DEFAULT);
+    if (exists < 0 || (exists > 0 && *attribute < 0))
+        return error_input("%s: attribute '%s' is damaged: make the file again", state->path, name);
+    return exists > 0;
+}
+
 static int open_attribute(const struct state *state, const char *group, const char *name, hid_t *attribute)
 {
     hid_t place = -1;
     int found = state_find_group(state, group, &place);
     if (found != 1)
         return found;
-    htri_t exists = H5Aexists(place, name);
-    if (exists > 0)
-        *attribute = H5Aopen(place, name, H5P_DEFAULT);
-    if (exists < 0 || (exists > 0 && *attribute < 0))
-        found = error_input("%s: attribute '%s' is damaged: make the file again", state->path, name);
-    else
-        found = exists > 0;
+    found = open_attribute_of(state, place, name, attribute);
     H5Gclose(place);
     return found;
 }
@@ -68,12 +72,9 @@ static char *read_fixed_text(hid_t attribute, hid_t type)
     return text;
 }
 
-int state_attribute_text(const struct state *state, const char *group, const char *name, char **text)
+/* Closes the attribute. */
+static int take_text(const struct state *state, hid_t attribute, const char *name, char **text)
 {
-    hid_t attribute = -1;
-    int found = open_attribute(state, group, name, &attribute);
-    if (found != 1)
-        return found < 0 ? -1 : 1;
     hid_t type = H5Aget_type(attribute);
     *text = NULL;
     errno = 0;
@@ -88,6 +89,20 @@ int state_attribute_text(const struct state *state, const char *group, const cha
     if (!*text && errno == ENOMEM)
         return error_memory(state->path);
     return *text ? 0 : error_input("%s: attribute '%s' is not one text: make the file again", state->path, name);
+}
+
+int state_attribute_text(const struct state *state, const char *group, const char *name, char **text)
+{
+    hid_t attribute = -1;
+    int found = open_attribute(state, group, name, &attribute);
+    return found == 1 ? take_text(state, attribute, name, text) : found < 0 ? -1 : 1;
+}
+
+int state_dataset_text(const struct state *state, hid_t dataset, const char *name, char **text)
+{
+    hid_t attribute = -1;
+    int found = open_attribute_of(state, dataset, name, &attribute);
+    return found == 1 ? take_text(state, attribute, name, text) : found < 0 ? -1 : 1;
 }
 
 int state_read_text(const struct state *state, const char *group, const char *attribute, char *text, size_t size)

@@ -48,6 +48,18 @@ static int check_type(const struct state *state, hid_t dataset, const char *grou
     return 0;
 }
 
+/* Numbers in other units than the schema's are off by powers of ten, and plausible. Absent units are the schema's. */
+static int check_units(const struct state *state, hid_t dataset, const char *group, const struct column *column)
+{
+    char *units = NULL;
+    int status = state_dataset_text(state, dataset, "units", &units);
+    if (status == 0 && *units && strcmp(units, column->units))
+        status = error_input("%s: column /%s/%s is in '%s', not in '%s': convert it", state->path, group, column->name,
+                             units, column->units);
+    free(units);
+    return status < 0 ? -1 : 0;
+}
+
 static int check_length(const struct state *state, hid_t dataset, const char *group, const char *name, hsize_t *rows)
 {
     hid_t space = H5Dget_space(dataset);
@@ -94,7 +106,7 @@ static int read_column(const struct state *state, hid_t place, const char *group
     if (dataset < 0)
         return error_input("%s: /%s/%s is not a readable column: make the file again", state->path, group,
                            column->name);
-    int failed = check_type(state, dataset, group, column) ||
+    int failed = check_type(state, dataset, group, column) || check_units(state, dataset, group, column) ||
                  check_length(state, dataset, group, column->name, &length) ||
                  state_check_storage(state, dataset, group, column->name, length);
     if (!failed && !is_first && length != *rows)

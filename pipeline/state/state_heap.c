@@ -70,7 +70,9 @@ int state_check_heaps(const struct state *state)
     int known = properties >= 0 && H5Pget_sizes(properties, &addresses, &lengths) >= 0 && lengths == 8;
     if (properties >= 0)
         H5Pclose(properties);
-    FILE *file = known ? fopen(state->path, "rb") : NULL;
+    char name[64];
+    state_own_name(state, name);
+    FILE *file = known ? fopen(name, "rb") : NULL;
     int safe = file && file_is_safe(file) && !ferror(file);
     if (file)
         fclose(file);

@@ -8,8 +8,12 @@
 
 struct state {
     char *path;
+    int fd; /* what is read is what was opened first, whatever takes its name meanwhile */
     hid_t hdf;
 };
+
+/* The name under which HDF5 and stdio open that descriptor's file. */
+void state_own_name(const struct state *state, char name[64]);
 
 /* Is there an object `name` in a group? 1: there, by a hard link; 0: absent; -1: a link that leads elsewhere, or damage
  * (error set). */
@@ -23,6 +27,8 @@ int state_lacks(const struct state *state, const char *kind, const char *group, 
 
 /* 0: *text is to be freed; 1: no such attribute; -1: error (set). */
 int state_attribute_text(const struct state *state, const char *group, const char *name, char **text);
+/* The same of an open dataset. */
+int state_dataset_text(const struct state *state, hid_t dataset, const char *name, char **text);
 /* One integer of the root group; 0, 1 or -1 as above. */
 int state_attribute_integer(const struct state *state, const char *name, int64_t *value);
 

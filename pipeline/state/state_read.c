@@ -1,11 +1,14 @@
 /* Opening a state file, and what it says of itself. Columns are read in state_columns.c, attributes in
  * state_attributes.c; both find their objects through state_find.c. */
+#include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state_hdf.h"
 #include "pipeline/state/state_open.h"
@@ -30,23 +33,36 @@ static int check_schema(const struct state *state)
     return 0;
 }
 
-static hid_t open_hdf(const char *path)
+void state_own_name(const struct state *state, char name[64])
+{
+    snprintf(name, 64, "/proc/self/fd/%d", state->fd);
+}
+
+static int open_file(struct state *state)
 {
     struct stat status;
-    if (access(path, R_OK) || stat(path, &status))
-        return error_input("%s: cannot be opened: check the path", path);
+    state->fd = open(state->path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (state->fd < 0 || fstat(state->fd, &status))
+        return error_input("%s: cannot be opened: check the path", state->path);
     if (!S_ISREG(status.st_mode))
-        return error_input("%s: is not a file: name a state file (.hdf)", path);
+        return error_input("%s: is not a file: name a state file (.hdf)", state->path);
+    return read_record_note(state->path, state->fd);
+}
+
+static hid_t open_hdf(const struct state *state)
+{
+    char name[64];
+    state_own_name(state, name);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     H5PLset_loading_state(0); /* no foreign code for foreign filters */
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), hdf = -1;
     /* No lock: files are replaced whole, and some disks have none. */
     if (access >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && H5Pset_file_locking(access, 0, 1) >= 0)
-        hdf = H5Fopen(path, H5F_ACC_RDONLY, access);
+        hdf = H5Fopen(name, H5F_ACC_RDONLY, access);
     if (access >= 0)
         H5Pclose(access);
     if (hdf < 0)
-        (void)error_input("%s: is not a whole HDF5 file: name a state file (.hdf), or make it again", path);
+        (void)error_input("%s: is not a whole HDF5 file: name a state file (.hdf), or make it again", state->path);
     return hdf;
 }
 
@@ -58,8 +74,8 @@ struct state *state_open(const char *path)
         (void)error_memory(path);
         return NULL;
     }
-    state->hdf = open_hdf(path);
-    if (state->hdf < 0 || check_schema(state)) {
+    state->hdf = -1;
+    if (open_file(state) || (state->hdf = open_hdf(state)) < 0 || check_schema(state)) {
         state_close(state);
         return NULL;
     }
@@ -72,6 +88,8 @@ void state_close(struct state *state)
         return;
     if (state->hdf >= 0)
         H5Fclose(state->hdf);
+    if (state->fd >= 0)
+        close(state->fd);
     free(state->path);
     free(state);
 }

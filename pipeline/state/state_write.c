@@ -12,6 +12,7 @@
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/state/state_hdf.h"
 #include "pipeline/speak/text.h"
+#include "pipeline/files/read_record.h"
 #include "pipeline/files/sha256.h"
 
 enum { CHUNK_ROWS = 65536 };
@@ -294,7 +295,7 @@ static int add_input(cJSON *array, const char *path, const char *part, const cha
 static int add_file(cJSON *array, const char *path)
 {
     char digest[65];
-    return file_sha256(path, digest) ? -1 : add_input(array, path, NULL, digest);
+    return read_record_digest(path, digest) ? -1 : add_input(array, path, NULL, digest);
 }
 
 /* The hash is that of the stage's part of the scene: what is written elsewhere in it changes nothing here. */

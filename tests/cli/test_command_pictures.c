@@ -1,6 +1,7 @@
 /* `report map`, `film`, `histogram` and `page` from outside, on nine discs whose every number is known: what stands in
  * the SVG and in the page, and which pixels of a photo show through. */
 #include "tests/commands.h"
+#include "tests/touch.h"
 #include "tests/lattice.h"
 
 #include <cairo.h>
@@ -52,6 +53,7 @@ static void write_states(void)
     p.grains.flags[0] = GRAIN_RATTLER, p.grains.flags[1] = GRAIN_LOW_ZNCC, p.grains.flags[2] = GRAIN_FLOATING;
     strcpy(p.walls.name[3], "bottom-left"); /* a disc in the place of the left wall */
     p.walls.x0[3] = p.walls.y0[3] = 0, p.walls.radius[3] = 0.004;
+    touch(&p);
     lattice_write(&p, "0002.contacts.hdf", 2);
 }
 

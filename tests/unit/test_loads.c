@@ -175,6 +175,43 @@ static void a_wall_that_is_not_there(void **state)
     table_free(&WALLS, &walls);
 }
 
+static void check_refused_of_all(const char *text, const char *words)
+{
+    static const int64_t photos[] = {3, 4, 6};
+    write_text(text);
+    assert_int_equal(loads_check(name, photos, 3), -1);
+    assert_int_equal(error_status(), EXIT_INPUT);
+    if (!strstr(error_message(), words))
+        fail_msg("'%s' does not say '%s'", error_message(), words);
+}
+
+/* What a series needs is looked at before its first photo is: rows in any order, others may be missing or twice. */
+static void all_photos_of_a_series(void **state)
+{
+    static const int64_t photos[] = {3, 4, 6};
+    (void)state;
+    write_text("index,wall,fx_N,fy_N\n6,top,0,-3\n3,top,0,-1\n4,top,0,-2\n5,top,0,9\n5,top,0,9\n");
+    check_done(loads_check(name, photos, 3));
+    check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n6,top,0,-3\n", "no row for photo 4");
+    check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n4,top,0,-2\n6,top,0,-3\n4,left,1,\n4,top,0,-2\n",
+                         ":6: photo 4 has this load twice");
+}
+
+/* Of every kind of table; a load cell that shows a little less than nothing is forgiven. */
+static void loads_that_pull(void **state)
+{
+    static const int64_t photos[] = {3, 4, 6};
+    (void)state;
+    check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n4,top,0,2\n4,right,1,\n6,top,0,-3\n",
+                         "photo 4: the loads pull outwards");
+    check_refused_of_all("index,sxx_Pa,syy_Pa,sxy_Pa\n3,1,1,0\n4,1,,0\n6,-1e4,-1e5,\n", "photo 6: the loads pull");
+    check_refused_of_all("index,corner,fx_N,fy_N\n3,top-left,-1,1\n3,top-right,1,1\n3,bottom-left,-1,-1\n",
+                         "photo 3: the loads pull");
+    write_text("index,wall,fx_N,fy_N\n3,top,0,0.5\n4,top,0,-50\n6,top,,-100\n");
+    check_done(loads_check(name, photos, 3));
+    check_done(loads_check(name, photos, 1));
+}
+
 static int remove_file(void **state)
 {
     (void)state;
@@ -191,6 +228,8 @@ int main(void)
         cmocka_unit_test(by_corner),
         cmocka_unit_test(mistakes),
         cmocka_unit_test(a_wall_that_is_not_there),
+        cmocka_unit_test(all_photos_of_a_series),
+        cmocka_unit_test(loads_that_pull),
     };
     return cmocka_run_group_tests_name("loads", tests, NULL, remove_file);
 }

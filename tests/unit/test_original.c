@@ -98,12 +98,28 @@ static void test_bad_files_are_refused(void **state)
     assert_false(original_is_text("not/there"));
 }
 
+/* What people do to lists by hand: lines added under an old count, a grain twice, an editor's byte order mark. */
+static void test_lists_edited_by_hand(void **state)
+{
+    (void)state;
+    struct photo_grains grains = {0};
+    assert_int_equal(original_read_grains(written("long.txt", "2\n1 2 0 4\n5 6 0 7\n\n8 9 0 7\n"), &grains), -1);
+    assert_non_null(strstr(error_message(), "line 5: there are more grains than the 2"));
+    assert_int_equal(original_read_grains(written("twice.txt", "3\n1 2 0 4\n5 6 0 7\n1 2 0 5\n"), &grains), -1);
+    assert_non_null(strstr(error_message(), "grains 0 and 2 have the same centre"));
+    grains = grains_of("mark.txt", "\xEF\xBB\xBF"
+                                   "2\r\n1 2 0 4\r\n1 3 0 7\r\n\r\n");
+    check_circle(&grains, 1, 1, 3, 7);
+    table_free(&PHOTO_GRAINS, &grains);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_circles_from_both_files),
         cmocka_unit_test(test_motions),
         cmocka_unit_test(test_bad_files_are_refused),
+        cmocka_unit_test(test_lists_edited_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

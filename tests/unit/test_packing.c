@@ -43,7 +43,7 @@ static void make_packing(struct packing *p, int with_walls)
     for (size_t c = 0; c < contacts; c++) {
         p->contacts.i[c] = i[c], p->contacts.j[c] = j[c];
         p->contacts.nx[c] = nx[c], p->contacts.ny[c] = ny[c];
-        p->contacts.x[c] = p->contacts.y[c] = 0.01 * (double)c;
+        p->contacts.x[c] = p->grains.x[i[c]] + 0.01 * nx[c], p->contacts.y[c] = p->grains.y[i[c]] + 0.01 * ny[c];
         p->contacts.overlap[c] = 1e-5;
     }
     if (with_walls) {
@@ -51,7 +51,7 @@ static void make_packing(struct packing *p, int with_walls)
         p->walls.x0[0] = -0.1, p->walls.y0[0] = -0.01, p->walls.x1[0] = 0.1, p->walls.y1[0] = -0.01;
         p->walls.radius[0] = 0;
         strcpy(p->walls.name[1], "bottom-right");
-        p->walls.x0[1] = 0.1, p->walls.y0[1] = 0.05, p->walls.radius[1] = 0.02;
+        p->walls.x0[1] = 0.056, p->walls.y0[1] = 0.034, p->walls.radius[1] = 0.02;
     }
     p->forces = calloc(2, sizeof *p->forces);
     p->force_count = 2;
@@ -130,7 +130,7 @@ static void test_branches(void **unused)
     (void)unused;
     struct packing p;
     make_packing(&p, 1);
-    static const double expected[4][2] = {{0.02, 0}, {0.012, 0.016}, {0, -0.01}, {0.1 - 0.032, 0.05 - 0.016}};
+    static const double expected[4][2] = {{0.02, 0}, {0.012, 0.016}, {0, -0.01}, {0.056 - 0.032, 0.034 - 0.016}};
     for (size_t c = 0; c < 4; c++) {
         struct vec branch = packing_branch(&p, c);
         check_near(branch.x, expected[c][0], 1e-15);
@@ -185,7 +185,7 @@ static void test_view_with_walls(void **unused)
         assert_int_equal(types[c], 3);
     check_near(points[3][0], 0, 1e-15);
     check_near(points[3][1], -0.01, 1e-15);
-    check_near(points[4][0], 0.1, 0);
+    check_near(points[4][0], 0.056, 0);
     check_near(radius[2], 0.01, 0);
     assert_true(isnan(radius[3]) && isnan(radius[4]));
     assert_true(same_object(file, "/VTKHDF/CellData/qsm_fn", "/forces/qsm/fn"));

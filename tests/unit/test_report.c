@@ -1,5 +1,6 @@
 /* report: matching, comparisons, exports and pictures of states that the test makes itself. */
 #include "tests/check.h"
+#include "tests/touch.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -220,6 +221,7 @@ static void make_reversed(struct packing *p)
         p->contacts.i[k] = k < 3 ? 2 - k : 3, p->contacts.j[k] = k < 3 ? 3 - k : 4;
         p->contacts.nx[k] = k < 3 ? -1 : 0;
     }
+    touch(p);
 }
 
 static void test_compare_renumbered(void **unused)
@@ -536,6 +538,7 @@ static void write_chain(const char *path, int64_t index, double shift)
         p.grains.mass[k] = p.grains.inertia[k] = 1;
         p.grains.x[k] += shift;
     }
+    touch(&p);
     p.forces->iterations = 77;
     p.forces->infeasible = 1;
     p.forces->imbalance = 0.81;

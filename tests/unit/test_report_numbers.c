@@ -71,7 +71,9 @@ static void make_packing(struct packing *p, const double strain[2], double sxx, 
     p->walls.fy[1] = -2 * syy, p->walls.fx[3] = -4 * sxx; /* the right and the top wall are loaded */
     for (int c = 0; c < 6; c++) {
         p->contacts.i[c] = i[c], p->contacts.j[c] = j[c], p->contacts.nx[c] = nx[c], p->contacts.ny[c] = ny[c];
-        p->contacts.x[c] = p->contacts.y[c] = p->contacts.overlap[c] = 0;
+        double arm = c == 5 ? 1.5 : 1; /* to the middle of the overlap, or of the gap */
+        p->contacts.x[c] = p->grains.x[i[c]] + arm * nx[c], p->contacts.y[c] = p->grains.y[i[c]] + arm * ny[c];
+        p->contacts.overlap[c] = c == 5 ? 2 - hypot(3, 0) : 0;
         p->contacts.flags[c] = c == 5 ? CONTACT_CANDIDATE : 0;
     }
     p->forces = calloc(1, sizeof *p->forces);
