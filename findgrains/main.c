@@ -58,8 +58,8 @@ static int run(struct arguments *arguments)
 int main(int argc, char **argv)
 {
     struct arguments arguments = {.cli = CLI_DEFAULT};
-    const struct program program = {"PHOTO.tif", doc, rows, &arguments, NULL, 1, 1, "which photo? Give one TIFF file",
-                                    check};
+    const struct program program = {
+        "PHOTO.tif", doc, rows, &arguments, NULL, 1, 1, "which photo? Give one photo at a time, a TIFF file", check};
     read_record_begin();
     cli_parse(&program, argc, argv);
     int status = cli_finish(&arguments.cli, run(&arguments));

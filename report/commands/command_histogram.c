@@ -104,7 +104,8 @@ int command_histogram(int argc, char **argv)
 {
     struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT)};
     const struct program program = {
-        "PHOTO.tif", documentation, rows, &options, NULL, 1, 1, "which photo? Give one TIFF file", NULL};
+        "PHOTO.tif", documentation, rows, &options, NULL, 1, 1, "which photo? Give one photo at a time, a TIFF file",
+        NULL};
     cli_parse(&program, argc, argv);
     int status = cli_finish(&options.cli, run(&options));
     canvas_forget_fonts();
