@@ -8,6 +8,7 @@
 #include "contacts/picture/network_picture.h"
 #include "pipeline/speak/error.h"
 
+/* A chart is drawn as SVG only: told at once, not after the contacts were found. */
 static int parse_picture(const char *text, void *member)
 {
     if (!overlap_picture_is_svg(text))

@@ -1,3 +1,6 @@
+/* Photo, scene and corrections in; table, picture and provenance out. The picture is drawn before the file is written:
+ * a picture that fails leaves no file. Files that are read for their grains (--refine) count as inputs of the result.
+ */
 #include "findgrains/grains_of_photo.h"
 
 #include <math.h>

@@ -106,6 +106,7 @@ static void add_found_frame(cJSON *object, const struct found_frame *found)
     cJSON_AddItemToObject(frame, "touching", cJSON_CreateIntArray(found->touching, 4));
 }
 
+/* Levels in grey levels of the photo, lengths in px; errors of the frame's corners as standard deviations. */
 char *settings_print_notes(const struct find_notes *notes)
 {
     cJSON *object = cJSON_CreateObject();

@@ -69,6 +69,8 @@ static const char help[] =
     "  forces --scene scene.json --method series out/*.contacts.hdf -o out";
 
 #define AT(field) .at = offsetof(struct force_arguments, field)
+/* The options of a series stand in a group of their own in the scene: what they name, such as the rim shape, no other
+ * method knows. */
 static const struct option_row rows[] = {
     {"method", "method", OPTION_TEXT, AT(methods), "LIST", .parse = parse_methods,
      .help = "One or more of cem,cdm,qsm,map, separated by commas (default map); or series alone, which takes all "

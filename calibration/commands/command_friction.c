@@ -1,4 +1,7 @@
-/* calibration friction: options, call, write. */
+/* calibration friction: mu between grains, from three-rod tests (thesis Appendix B) or from contact forces.
+ *
+ * Out: film.friction/1. Of tests: mu = tan phi, phi_rad, and for two tests or more the standard errors of their means.
+ * Of forces: mu where |ft| / fn ends, the width of that end, its significance, and quantiles of |ft| / fn. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,10 @@
-/* calibration hertz: options, call, write. */
+/* calibration hertz: Young's modulus and Poisson's ratio of the grains from those of the packing.
+ *
+ * Closed form: the static hypothesis, each contact deflects as the mean strain says; grains E and nu follow at once.
+ * Search: from there, probes of a packing of the scene by discrete elements (discs, or spheres by LAMMPS) until the
+ * packing has the wanted moduli. In the plane stresses are N/m: Pa times the rods' length.
+ *
+ * Out: film.hertz/1: young_Pa and poisson of the grains; of a search also what it reached and every probe. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,9 @@
-/* calibration laws: options, read, call, write. */
+/* calibration laws: contact laws compared on one small-strain probe (Tolomeo and McDowell 2022).
+ *
+ * Each law consolidates the same loose packing and is probed by itself (laws.h). The linear law has no parameter that
+ * the others share: it gets the mean contact stiffness that Hertz's law has at the pressure, so that both start alike.
+ *
+ * Out: film.laws/1: per law and step the tangent modulus, the deviator, and how many contacts load, unload, reload. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,7 @@
-/* calibration lens: options, call, write. */
-
+/* calibration lens: the distortion from photos of one speckled plate, moved rigidly by unknown motions.
+ *
+ * Discs of the plate are followed by the tracker from the reference photo into each other photo; what deviates from the
+ * best rigid motion of each photo is distortion. One fit over all photos: the lens and every motion (lens_fit.h). */
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/commands/lens_picture.h"
 #include "calibration/lens/lens_plate.h"

@@ -1,4 +1,7 @@
-/* calibration rescale: options, read, call, write. */
+/* calibration rescale: k_n (and k_t) from the stresses of a whole series (thesis 2.1.1, 3.3).
+ *
+ * The Weber stress of forces that follow from overlaps grows in proportion with k_n at a fixed k_t / k_n, because
+ * Coulomb's law knows no scale: k_n is the slope of measured over computed stress (rescale.h). */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,4 +1,7 @@
-/* calibration scale: options, call, write. */
+/* calibration scale: metres per pixel from known lengths in a photo.
+ *
+ * Out: film.scale/1: scale_m_per_px for the scene, its standard error from the errors of the marks or, where that is
+ * more, from what the lengths disagree by (scatter_px). */
 #include <stdio.h>
 #include <stdlib.h>
 

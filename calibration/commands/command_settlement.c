@@ -1,4 +1,10 @@
-/* calibration settlement: options, read, call, write. */
+/* calibration settlement: what remains after many cycles, from few (Karrech and others 2007).
+ *
+ * With files: each grain's displacement at the end of the cycles is split into what remains and what comes back, and
+ * what remains is carried --ahead cycles on by a trend in the number of cycles (settlement.h).
+ * Without: the scene's cyclic test is simulated, with jumps over cycles that are not simulated (settle_loop.h).
+ *
+ * Out: film.settlement/1, lengths in m: every grain, or every cycle that was simulated. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,4 +1,9 @@
-/* calibration stiffness: options, read, call, write. */
+/* calibration stiffness: k_n of one contact from two rods in a press (thesis 4.1.1.1).
+ *
+ * Deflection: how much nearer the tracked centres of the two rods are than in the first photo that shows both, px times
+ * the scene's scale, m. Force: the press's record at the photo's time (or index) plus --delay, interpolated, N.
+ *
+ * Out: film.stiffness/1: kn_N_per_m, its standard error, and every loading, unloading and reloading with its fits. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

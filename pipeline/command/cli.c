@@ -30,6 +30,7 @@ static FILE *log_file;
 static const char *log_path;
 static struct timespec begin;
 
+/* Wall time by a clock that nobody sets. */
 static double seconds_since(const struct timespec *then)
 {
     struct timespec now;
@@ -249,6 +250,7 @@ void cli_parse(const struct program *program, int argc, char **argv)
 
 /* ---- the end of a program ---- */
 
+/* Of all threads, user and system. */
 static double cpu_seconds(const struct rusage *usage)
 {
     return (double)(usage->ru_utime.tv_sec + usage->ru_stime.tv_sec) +
@@ -302,6 +304,7 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
 
 /* ---- log ---- */
 
+/* Numbers with 17 digits, so that nothing is lost; those that are not finite become null, as JSON has no other. */
 void log_event(const char *event, ...)
 {
     va_list pairs;

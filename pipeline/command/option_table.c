@@ -29,6 +29,7 @@ static int is_whole(const struct option_row *row)
     return row->type == OPTION_WHOLE || row->type == OPTION_LONG;
 }
 
+/* Types that have a range. */
 static int is_numeric(const struct option_row *row)
 {
     return row->type == OPTION_NUMBER || is_whole(row);
@@ -49,6 +50,7 @@ static void print_range(const struct option_row *row, char *text, size_t size)
              row->automatic ? ", or auto" : "");
 }
 
+/* "red, green", cut where there is no room. */
 static void print_words(const char *const words[], char *text, size_t size)
 {
     size_t used = 0;

@@ -1,4 +1,7 @@
-/* report budget: options, read, call, print. */
+/* report budget: the error of contact forces to expect, before anyone goes to the lab.
+ *
+ * The formulas are in report/compare/budget.h. What the command line leaves open is taken from the scene where there is
+ * one; all of scale, diameter, length and k_n have to be known in the end. */
 #include <math.h>
 #include <stdio.h>
 

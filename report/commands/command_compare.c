@@ -1,4 +1,7 @@
-/* report compare: options, read, call, print. */
+/* report compare: a state file against another opinion or the truth.
+ *
+ * Both are photo side (px) or both SI side (m, N). Grains are matched by position, one to one, because files may number
+ * them differently. Figures go to stdout as a table, and with --json into a file as one object. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,4 +1,7 @@
-/* report export: options, read, call, write. */
+/* report export: state files as text for other programs.
+ *
+ * A new format is a word of `enum format`, a row, a case of write_one() and a function in report/export/export.h that
+ * prints one state to a stream. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,4 +1,5 @@
-/* report film: options, read, call. */
+/* report film: the force maps of a series as frames that can be shown one after the other: the same view, the same unit
+ * of line width and the same method in all of them (movie.h). */
 #include <math.h>
 
 #include "pipeline/command/cli.h"

@@ -1,4 +1,5 @@
-/* report found: options, read, print. */
+/* report found: frame and radii that findgrains found, as members of a scene: what it had to look for once need not be
+ * looked for again in every photo. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,6 @@
-/* report histogram: options, read, call, draw. */
+/* report histogram: the grey levels of a photo, whether voids and grains can be told apart by a threshold.
+ *
+ * Shares stand in decades upwards: saturated pixels at either end are few, and would not be seen on a linear scale. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* report map: options, read, call, write. */
+/* report map: one state as a picture. Files of findgrains and tracker show rims and motions over their photo, px; files
+ * in m show contact forces as lines between centres, as wide as fn. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

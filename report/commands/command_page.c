@@ -1,4 +1,5 @@
-/* report page: options, read, call, write. */
+/* report page: one HTML page about a series, which needs no other file: pictures stand in it. With --pictures
+ * each of them is also written by itself, for slides and papers. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* report verify: options, read, call. */
+/* report verify: are state files whole, and made of what lies on the disk now? Each file holds the SHA-256 of
+ * everything that it was made from; the digests are compared in verify.h. */
 #include <stdio.h>
 
 #include "pipeline/command/cli.h"

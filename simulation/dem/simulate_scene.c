@@ -216,6 +216,7 @@ static const char *const rests[] = {"strain", "stress", NULL};
 static const char *const laterals[] = {"pressure", "fixed", NULL};
 
 #define AT(field) .at = offsetof(struct simulation, field)
+/* pressure_Pa goes into `pressure` as it is; complete_pressure() makes it N/m, the unit of stresses in the plane. */
 static const struct option_row rows[] = {
     {NULL, "seed", OPTION_LONG, AT(seed), .max = 0x1p53},
     {NULL, "max_steps", OPTION_LONG, AT(max_steps), .min = 1, .max = 1e9},

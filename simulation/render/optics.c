@@ -109,6 +109,7 @@ void optics_free(struct optics *optics)
     {                                                                                                                  \
         NULL, key ".paint", .type = OPTION_ELSE                                                                        \
     }
+/* Lengths in px, levels as shares of full scale, noise as standard deviations of them (optics.h). */
 static const struct option_row rows[] = {
     {NULL, "seed", OPTION_LONG, AT(seed), .max = 0x1p53},
     {NULL, "bits", OPTION_WHOLE, AT(bits), .min = 4, .max = 16},
@@ -163,6 +164,7 @@ static int read_surfaces(const struct json *json, const cJSON *section, struct o
 }
 
 /* What two keys tell together, and lists. */
+/* The camera shifts alike in both directions. */
 static int read_rest(const struct json *json, const cJSON *section, struct optics *optics)
 {
     if (optics->ring_contrast > 0 && optics->ring_spacing <= 0)
