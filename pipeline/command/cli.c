@@ -68,6 +68,7 @@ static const struct option_row shared[] = {
 /* argp knows the rows of a program's own table by OWN + k, those of the shared one by SHARED + k. */
 enum { OWN = 0x1000, SHARED = 0x2000 };
 static const struct program *running;
+static struct cli_inputs written, words; /* that options took as outputs; all others that may name files */
 
 /* The row that argp means; NULL: one of argp's own keys, or none. */
 static const struct option_row *row_of(int key)
@@ -125,6 +126,9 @@ static error_t parse_row(int key, char *argument, struct argp_state *state)
             return ENOMEM;
         argp_error(state, "--%s %s: %s", row->name, argument, error_message());
     }
+    if (row->type == OPTION_OUTPUT || row->type == OPTION_TEXT || row->type == OPTION_LIST)
+        if (cli_inputs_add(row->type == OPTION_OUTPUT ? &written : &words, argument))
+            return ENOMEM;
     if (key < SHARED)
         cli->given |= (uint64_t)1 << (key - OWN);
     return 0;
@@ -139,38 +143,11 @@ int cli_given(const struct cli *cli, const char *name)
     return 0;
 }
 
-/* Append the words that the rows took as files. */
-static int list_files(const struct option_row *rows, const void *options, struct cli_inputs *outputs,
-                      struct cli_inputs *inputs)
-{
-    int failed = 0;
-    for (; rows && option_is_row(rows) && !failed; rows++) {
-        const void *member = (const char *)options + rows->at;
-        const char *word =
-            rows->type == OPTION_TEXT || rows->type == OPTION_OUTPUT ? *(const char *const *)member : NULL;
-        const struct cli_inputs *list = rows->type == OPTION_LIST ? member : NULL;
-        if (word)
-            failed = cli_inputs_add(rows->type == OPTION_OUTPUT ? outputs : inputs, word);
-        for (size_t k = 0; list && k < list->count && !failed; k++)
-            failed = cli_inputs_add(inputs, list->paths[k]);
-    }
-    return failed;
-}
-
 /* By what the words mean, not how they are spelt: argp lets an option be cut short or joined with its value. Texts that
  * are no paths are asked for too: they name no file, and cost a stat(). */
-static void check_overwriting(const struct argp_state *state, const struct cli *cli)
+static void check_overwriting(const struct argp_state *state)
 {
-    struct cli_inputs outputs = {0}, inputs = {0};
-    int failed =
-        list_files(shared, cli, &outputs, &inputs) || list_files(running->rows, running->options, &outputs, &inputs);
-    for (size_t k = 0; k < cli->inputs.count && !failed; k++)
-        failed = cli_inputs_add(&inputs, cli->inputs.paths[k]);
-    const char *overwritten = failed ? NULL : cli_overwritten(&outputs, &inputs);
-    cli_inputs_free(&outputs);
-    cli_inputs_free(&inputs);
-    if (failed)
-        argp_failure(state, EXIT_FAILED, 0, "%s", error_message());
+    const char *overwritten = cli_overwritten(&written, &words);
     if (overwritten)
         argp_error(state, "%s is also an input, and would be overwritten: name another file", overwritten);
 }
@@ -189,7 +166,7 @@ static void check_whole(const struct argp_state *state, const struct cli *cli)
         argp_error(state, "which experiment? Give --scene SCENE.json");
     if ((cli->needs & CLI_NEEDS_OUTPUT) && !cli->output)
         argp_error(state, "where should the result go? Give -o OUT");
-    check_overwriting(state, cli);
+    check_overwriting(state);
 }
 
 /* The root parser: it alone sees the words that are no options, and the end of the line. */
@@ -197,7 +174,7 @@ static error_t parse_word(int key, char *argument, struct argp_state *state)
 {
     struct cli *cli = running->options;
     if (key == ARGP_KEY_ARG)
-        return cli_inputs_add(&cli->inputs, argument) ? ENOMEM : 0;
+        return cli_inputs_add(&cli->inputs, argument) || cli_inputs_add(&words, argument) ? ENOMEM : 0;
     if (key == ARGP_KEY_END)
         check_whole(state, cli);
     return key == ARGP_KEY_END ? 0 : parse_row(key, argument, state);
@@ -227,7 +204,8 @@ void cli_parse(const struct program *program, int argc, char **argv)
     struct argp_option own[OPTION_MOST + 1], common[OPTION_MOST + 1];
     const struct argp shared_argp = {.options = common, .parser = parse_row, .help_filter = describe};
     const struct argp_child children[] = {{&shared_argp, 0, "Common options:", 100}, {0}};
-    const struct argp argp = {own, parse_word, program->arguments, program->help, children, describe, NULL};
+    const struct argp argp = {
+        program->rows ? own : NULL, parse_word, program->arguments, program->help, children, describe, NULL};
     struct cli *cli = program->options;
     clock_gettime(CLOCK_MONOTONIC, &begin);
     running = cli->program = program;
@@ -241,6 +219,8 @@ void cli_parse(const struct program *program, int argc, char **argv)
     FILE *before = cli_messages_begin(argv);
     error_t failed = argp_parse(&argp, argc, argv, 0, NULL, NULL);
     cli_messages_end(before);
+    cli_inputs_free(&written);
+    cli_inputs_free(&words);
     if (failed) {
         fprintf(stderr, "%s: %s\n", argv[0], strerror(failed));
         exit(failed == ENOMEM ? EXIT_FAILED : EXIT_USAGE);

@@ -136,6 +136,8 @@ static void the_line_wins_over_the_scene(void **state)
                                   "\"auto\", \"inner\": {\"depth\": 3}}";
     static const char line[] = "--size 1e-1 --count 2 --many 9007199254740992 --scale 2 --pair 1,2 --colour red "
                                "--list a --list b";
+    check_values("", "--pair 3,4 --work scene",
+                 "size=0.25 count=0 many=7 loud=0 colour=red scale=1 pair=3,4 depth=0 list=0\n");
     check_values("", "", "size=0.25 count=0 many=7 loud=0 colour=red scale=1 pair=0,0 depth=0 list=0\n");
     check_values(section, "",
                  "size=2.5 count=3 many=4294967296 loud=1 colour=green scale=1 auto pair=5,6 depth=3 "
@@ -205,7 +207,8 @@ static void an_output_is_no_input(void **state)
                                         "--scene s -o x --writ=F F",
                                         "--scene s -o x --log F --list a --list F",
                                         "--scene s -o F --written ./F",
-                                        "--scene s -o x --work F --log L"};
+                                        "--scene s -o x --work F --log L",
+                                        "--scene s -o x --pair 1,2 --log F F"};
     FILE *file = fopen("F", "w");
     assert_non_null(file);
     fclose(file);
