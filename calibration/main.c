@@ -1,6 +1,7 @@
 /* calibration: one program of many commands; each is a row here and a file in calibration/commands. */
 #include "calibration/commands/calibration_commands.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/files/read_record.h"
 
 static const struct subcommand commands[] = {
@@ -17,6 +18,8 @@ static const struct subcommand commands[] = {
 int main(int argc, char **argv)
 {
     read_record_begin();
-    return cli_command("calibration", "What a scene must know about the grains and the camera, from experiments.",
-                       commands, argc, argv);
+    int status = cli_command("calibration", "What a scene must know about the grains and the camera, from experiments.",
+                             commands, argc, argv);
+    canvas_forget_fonts();
+    return status;
 }

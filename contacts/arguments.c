@@ -5,16 +5,14 @@
 
 #include <string.h>
 
-#include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 
-/* A chart is drawn as SVG only: told at once, not after the contacts were found. */
+/* An ending that cannot be drawn is told at once, not after the contacts were found. */
 static int parse_picture(const char *text, void *member)
 {
-    if (!overlap_picture_is_svg(text))
-        return error_input("no picture of overlaps has this ending: name it .svg");
     *(const char **)member = text;
-    return 0;
+    return canvas_check_path(text);
 }
 
 #define AT(field) .at = offsetof(struct arguments, field)
@@ -30,8 +28,9 @@ static const struct option_row rows[] = {
     {"radius-offset", "radius_offset_px", OPTION_NUMBER, AT(options.radius_offset_px), "PX|auto", .min = -1000,
      .max = 1000, .automatic = offsetof(struct arguments, options.radius_offset_auto),
      .help = "Add PX pixels to every radius; auto: found from the overlaps"},
-    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE.svg", .parse = parse_picture,
-     .help = "Draw the histogram of the overlaps near zero with the fitted density: whether the radii are right"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .parse = parse_picture,
+     .help = "Draw the histogram of the overlaps near zero with the fitted density (.svg, .pdf, .png): whether the "
+             "radii are right"},
     {"repair", "repair", OPTION_SWITCH, AT(options.repair),
      .help = "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)"},
     {"tolerance", "tolerance_px", OPTION_NUMBER, AT(options.tolerance_px), "PX", .min = -1000, .max = 1000,

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
 {

@@ -9,7 +9,8 @@
 #include "contacts/network/standing.h"
 #include "contacts/motion/state_motion.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
+#include "pipeline/packing/structure.h"
 
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
 #define WIDEST_OFFSET_PX 2.0
@@ -235,32 +236,15 @@ static void summarise(const struct search *search, struct contact_summary *summa
     }
 }
 
-void contact_indeterminacy(const struct scene *scene, const struct packing *packing, double *h, double *k)
+int contact_indeterminacy(const struct scene *scene, struct packing *packing, struct contact_summary *summary)
 {
-    const struct grains *grains = &packing->grains;
-    double unknowns[2] = {2, 2}, equations = 0;
-    if (scene->contact_given && scene->contact.mu == 0)
-        unknowns[0] = 1;
-    if (scene->contact_given && scene->contact.mu_wall == 0)
-        unknowns[1] = 1;
-    *h = *k = 0;
-    for (size_t g = 0; g < grains->count; g++) {
-        *k += grains->flags[g] & GRAIN_RATTLER ? 3 : 0;
-        equations += grains->flags[g] & (GRAIN_RATTLER | GRAIN_FIXED | GRAIN_NOT_FINITE) ? 0 : 3;
-    }
-    for (size_t w = 0; w < packing->walls.count; w++)
-        if (!wall_is_disc(&packing->walls, w)) {
-            struct vec n = wall_inward(&packing->walls, w);
-            equations += isfinite(fabs(n.x) > fabs(n.y) ? packing->walls.fx[w] : packing->walls.fy[w]);
-        }
-    for (size_t c = 0; c < packing->contacts.count; c++) {
-        size_t i = (size_t)packing->contacts.i[c], j = (size_t)packing->contacts.j[c];
-        int wall = j >= grains->count;
-        if (!(packing->contacts.flags[c] & CONTACT_CANDIDATE) && !(grains->flags[i] & GRAIN_RATTLER) &&
-            (wall || !(grains->flags[j] & GRAIN_RATTLER)))
-            *h += unknowns[wall];
-    }
-    *h -= equations;
+    double mu = scene->contact_given ? scene->contact.mu : NAN,
+           mu_wall = scene->contact_given ? scene->contact.mu_wall : NAN;
+    if (packing_indeterminacy(packing, mu, mu_wall, &packing->indeterminacy))
+        return -1;
+    summary->indeterminacy = packing->indeterminacy.h;
+    summary->mechanisms = packing->indeterminacy.mechanisms;
+    return 0;
 }
 
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,

@@ -57,8 +57,8 @@ struct contact_summary {
     double loaded_overlap_px; /* mean overlap of touching pairs that the loads give; 0: they give none, or none was
                                  sought */
     double resting_share;     /* of near pairs: those that rest at zero overlap */
-    double indeterminacy;     /* h: unknown forces less equations, rattlers left out */
-    double mechanisms;        /* k: three per rattler */
+    double indeterminacy;     /* h and k of packing_indeterminacy(); NaN until then */
+    double mechanisms;        /* k */
     struct overlap_histogram histogram;
 };
 
@@ -67,9 +67,8 @@ struct contact_summary {
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
                   struct contact_summary *summary);
 
-/* Degree of force indeterminacy h = 2 N_c + k - N_f and the mechanisms k, three per rattler (thesis, eq. 2.1), rattlers
- * and their contacts left out of N_c and N_f; a contact without friction brings one unknown, a wall whose load is given
- * one equation (apply the loads first). */
-void contact_indeterminacy(const struct scene *scene, const struct packing *packing, double *h, double *k);
+/* packing_indeterminacy() with the friction of the scene (not given: friction everywhere), into packing and summary;
+ * apply the loads first. 0, or -1 when out of memory. */
+int contact_indeterminacy(const struct scene *scene, struct packing *packing, struct contact_summary *summary);
 
 #endif

@@ -5,9 +5,11 @@
 #include "contacts/arguments.h"
 #include "contacts/files.h"
 #include "contacts/picture/network_picture.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/loads.h"
+#include "pipeline/packing/packing_file.h"
 
 /* Reads everything before working, so that what is wrong with the input shows in the first second. */
 static int run(struct arguments *arguments)
@@ -28,10 +30,9 @@ static int run(struct arguments *arguments)
                          state_check_order(arguments->previous, &previous.info, &photo.info)
                      ? -1
                      : 0;
-    if (status == 0)
-        status = arguments_complete(arguments, &scene, &previous);
-    if (status == 0)
-        status = photos_read(arguments->radii.paths, arguments->radii.count, &more);
+    if (status == 0 && (arguments_complete(arguments, &scene, &previous) ||
+                        photos_read(arguments->radii.paths, arguments->radii.count, &more)))
+        status = -1;
     for (size_t m = 0; status == 0 && m < arguments->radii.count; m++)
         radii[m] = &more[m].grains;
     struct contact_input input = {.scene = &scene,
@@ -48,9 +49,7 @@ static int run(struct arguments *arguments)
         status = error_context("%s", path);
     if (status == 0 && scene.loads && packing.walls.count)
         status = loads_apply(scene.loads, photo.info.index, packing.length_m, &packing.walls);
-    if (status == 0)
-        contact_indeterminacy(&scene, &packing, &summary.indeterminacy, &summary.mechanisms);
-    if (status == 0)
+    if (status == 0 && !(status = contact_indeterminacy(&scene, &packing, &summary)))
         status = contacts_write(arguments, &scene, &photo, options, &summary, &packing);
     if (status == 0 && arguments->picture)
         status = overlap_picture(arguments->picture, &summary);
@@ -75,5 +74,6 @@ int main(int argc, char **argv)
     arguments_parse(argc, argv, &arguments);
     int status = run(&arguments);
     cli_inputs_free(&arguments.radii);
+    canvas_forget_fonts();
     return cli_finish(&arguments.cli, status);
 }

@@ -3,6 +3,7 @@
 #include "findgrains/picture/overlay.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 
 static const char doc[] =
@@ -63,6 +64,6 @@ int main(int argc, char **argv)
     read_record_begin();
     cli_parse(&program, argc, argv);
     int status = cli_finish(&arguments.cli, run(&arguments));
-    overlay_forget_fonts();
+    canvas_forget_fonts();
     return status;
 }

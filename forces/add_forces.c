@@ -11,6 +11,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/packing_file.h"
 
 /* A new place for the forces of this method: an old result of the same name gives way. */
 static struct forces *make_room(struct packing *packing, enum force_method method)

@@ -10,6 +10,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
+#include "pipeline/packing/packing_file.h"
 
 /* One state and where it comes from. */
 struct member {

@@ -10,8 +10,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/stress.h"
 
-#define MAP_MARGIN 0.01 /* no contact law is better known: LEAST_SLACK of evidence.c */
-#define DOUBTFUL 0.01   /* <fn>: more left than that may be the network's fault and not the method's */
+#define DOUBTFUL 0.01 /* <fn>: more left than that may be the network's fault and not the method's */
 
 const char *const FORCE_METHODS[] = {"cem", "cdm", "qsm", "map", NULL};
 const char *const FORCE_STARTS[] = {"default", "zero", "mean", "overlap", "cem", "previous", "file", NULL};
@@ -106,7 +105,7 @@ static uint32_t status_of(double mu, double fn, double ft, double margin)
 static void store_contacts(const struct network *network, enum force_method method, const double *f,
                            struct contact_forces *out)
 {
-    double margin = method == METHOD_MAP ? MAP_MARGIN : STATUS_MARGIN;
+    double margin = method == METHOD_MAP ? LEAST_FORCE_ERROR : STATUS_MARGIN;
     for (size_t c = 0; c < out->count; c++) {
         out->fn[c] = out->ft[c] = 0;
         out->status[c] = STATUS_NOT_USED;
@@ -176,7 +175,10 @@ static int store(const struct packing *packing, const struct network *network, c
     forces->kt = options->law.kn * options->law.kt_over_kn;
     forces->mu = options->law.mu;
     memcpy(forces->misfit, network->misfit, sizeof forces->misfit);
-    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
+    double area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, area, forces->stress);
     return 0;
 }
 

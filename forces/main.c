@@ -5,15 +5,14 @@
 #include "forces/add_series.h"
 #include "forces/options.h"
 #include "pipeline/files/read_record.h"
+#include "pipeline/packing/limits.h"
 
-#define MISFIT_NOTED 1.5
-#define OVERLAPS_NOTED 1.4
 #define UNBALANCED "grains are out of balance by more than 1 %"
 
 /* Forces can be in equilibrium and yet not what the photos say. */
 static void say_misfit(const struct series_outcome *outcome)
 {
-    if (outcome->misfit > MISFIT_NOTED || outcome->worst_misfit > MISFIT_NOTED)
+    if (outcome->misfit > LIMIT_MISFIT || outcome->worst_misfit > LIMIT_MISFIT)
         fprintf(stderr,
                 "forces: the photos do not fit together: misfit %.2g of all, %.2g of %s (below 1 where they do): look "
                 "for unknown loads (forces.series.softness: their size over <fn>), a wrong mu, files from another "
@@ -24,7 +23,7 @@ static void say_misfit(const struct series_outcome *outcome)
 /* Stresses follow from the loads, whatever the scale: only the overlaps can tell that it is wrong. */
 static void say_overlaps(const char *input, double ratio)
 {
-    if (ratio > OVERLAPS_NOTED || ratio < 1 / OVERLAPS_NOTED)
+    if (ratio > LIMIT_OVERLAPS_OVER_LOADS || ratio < 1 / LIMIT_OVERLAPS_OVER_LOADS)
         fprintf(stderr,
                 "forces: %s: overlaps times k_n are %.2g times the loads: scale_m_per_px, kn_N_per_m or the loads are "
                 "wrong, or overlaps are no more than their errors\n",

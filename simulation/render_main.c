@@ -4,6 +4,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "simulation/render/render.h"
 #include "simulation/render/render_truth.h"
 

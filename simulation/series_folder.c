@@ -9,6 +9,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
+#include "pipeline/packing/packing_file.h"
 
 static const char LOADS_HEADER[] = "index,wall,fx_N,fy_N\n";
 static const char SUMMARY_HEADER[] =

@@ -277,3 +277,17 @@ size_t svg_strokes(const char *svg, const char *colour, struct svg_stroke *strok
     }
     return count;
 }
+
+size_t svg_fills(const char *svg, const char *colour, struct svg_point *points, size_t room)
+{
+    char begin[100];
+    size_t count = 0;
+    snprintf(begin, sizeof begin, "<path style=\" stroke:none;fill-rule:nonzero;fill:%s", colour);
+    for (const char *at = svg; (at = strstr(at, begin)); at++) {
+        const char *d = strstr(at, " d=\"M ");
+        assert_true(d && count < room);
+        assert_int_equal(sscanf(d, " d=\"M %lf %lf", &points[count].x, &points[count].y), 2);
+        count++;
+    }
+    return count;
+}

@@ -47,5 +47,10 @@ struct svg_stroke {
     double width, x0, y0, x1, y1;
 };
 size_t svg_strokes(const char *svg, const char *colour, struct svg_stroke *strokes, size_t room);
+/* Its filled shapes of that colour, by the points at which they begin: markers, dots, bars. */
+struct svg_point {
+    double x, y;
+};
+size_t svg_fills(const char *svg, const char *colour, struct svg_point *points, size_t room);
 
 #endif

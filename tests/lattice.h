@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { LATTICE_SIDE = 3, LATTICE_GRAINS = 9, LATTICE_CONTACTS = 24 };
 #define LATTICE_RADIUS 0.01 /* m; the box is 0.06 m wide and high, its lower left corner at 0, 0 */

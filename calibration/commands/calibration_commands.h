@@ -13,6 +13,8 @@ int command_scale(int argc, char **argv);
 int command_settlement(int argc, char **argv);
 int command_stiffness(int argc, char **argv);
 
+enum { CALIBRATION_CHART_WIDTH = 480, CALIBRATION_CHART_HEIGHT = 380 }; /* px, of each chart of a --picture */
+
 /* Write a calibration file (JSON, doubles with 17 digits) whole or not at all; takes the object. */
 int calibration_write(const char *path, cJSON *object);
 

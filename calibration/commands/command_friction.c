@@ -10,7 +10,7 @@
 #include "calibration/rods/friction.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 struct options {
     struct cli cli;

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration/commands/law_chart.h"
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/rods/laws.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
@@ -43,7 +43,7 @@ static const char documentation[] =
 
 #define AT(field) .at = offsetof(struct options, field)
 static const struct option_row rows[] = {
-    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Curves as a picture"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .help = "Curves as a picture (.svg, .pdf, .png)"},
     {"first", NULL, OPTION_NUMBER, AT(probe.first), "EPS", .min = 1e-12, .max = 0.01,
      .help = "Strain of the first step"},
     {"last", NULL, OPTION_NUMBER, AT(probe.last), "EPS", .min = 1e-12, .max = 0.1, .help = "Largest strain"},
@@ -79,42 +79,51 @@ static cJSON *describe_curve(const char *name, const struct law_curve *curve, do
 }
 
 /* Four panels: E over strain, deviator, contacts of the plastic law by group, their directions. */
+/* A law's curves: E and q over the strain, with the contacts of each group and their directions where charts are given
+ * for them. E and the groups belong to the loading alone. */
+static int add_law(const char *name, const struct law_curve *curve, double length, struct chart charts[4], int grouped)
+{
+    size_t n = curve->count, up = curve->loading;
+    struct chart_line *young = chart_add(&charts[0], name, up),
+                      *deviator = young ? chart_add(&charts[1], name, n) : NULL;
+    if (!deviator)
+        return -1;
+    for (size_t k = 0; k < n; k++) {
+        const struct law_step *step = &curve->steps[k];
+        chart_put(deviator, step->strain, 1e-3 * step->deviator / length);
+        if (k < up)
+            chart_put(young, step->strain, 1e-6 * step->young / length);
+    }
+    for (int g = 0; g < GROUPS && grouped; g++) {
+        struct chart_line *count = chart_add(&charts[2], GROUP_NAMES[g], up);
+        struct chart_line *angle = count ? chart_add(&charts[3], GROUP_NAMES[g], up) : NULL;
+        if (!angle)
+            return -1;
+        for (size_t k = 0; k < up; k++) {
+            chart_put(count, curve->steps[k].strain, (double)curve->steps[k].count[g]);
+            chart_put(angle, curve->steps[k].strain, curve->steps[k].angle[g] * 57.29577951308232);
+        }
+    }
+    return 0;
+}
+
+/* Four charts: E over strain, deviator, contacts of the plastic law by group, their directions. */
 static int draw(const char *path, const struct law_curve curves[LAW_COUNT], double length)
 {
-    size_t n = curves[0].count, up = curves[0].loading;
-    double *block = malloc((LAW_COUNT * 3 + 2 * GROUPS) * n * sizeof *block), *next = block;
-    struct chart_curve moduli[LAW_COUNT], deviators[LAW_COUNT], counts[GROUPS], angles[GROUPS];
-    if (!block)
-        return error_memory("picture");
-    for (int l = 0; l < LAW_COUNT; l++) {
-        double *x = next, *y = x + n, *q = y + n;
-        next = q + n;
-        for (size_t k = 0; k < n; k++) {
-            x[k] = curves[l].steps[k].strain;
-            y[k] = 1e-6 * curves[l].steps[k].young / length;
-            q[k] = 1e-3 * curves[l].steps[k].deviator / length;
-        }
-        moduli[l] = (struct chart_curve){laws[l].name, x, y, up, CHART_LINE};
-        deviators[l] = (struct chart_curve){laws[l].name, x, q, n, CHART_LINE};
-    }
-    const struct law_curve *plastic = &curves[3];
-    for (int g = 0; g < GROUPS; g++) {
-        double *count = next, *angle = count + n;
-        next = angle + n;
-        for (size_t k = 0; k < n; k++) {
-            count[k] = (double)plastic->steps[k].count[g];
-            angle[k] = plastic->steps[k].angle[g] * 57.29577951308232;
-        }
-        counts[g] = (struct chart_curve){GROUP_NAMES[g], moduli[3].x, count, up, CHART_LINE};
-        angles[g] = (struct chart_curve){GROUP_NAMES[g], moduli[3].x, angle, up, CHART_LINE};
-    }
-    struct chart_panel panels[] = {
-        {"Tangent modulus", "axial strain", "E, MPa", 1, 0, moduli, LAW_COUNT},
-        {"Loading and unloading", "axial strain", "q, kPa", 0, 0, deviators, LAW_COUNT},
-        {"Contacts, pohrt_popov_plastic", "axial strain", "contacts", 1, 0, counts, GROUPS},
-        {"Their direction from the horizontal", "axial strain", "degrees", 1, 0, angles, GROUPS}};
-    int status = chart_write(path, panels, 4);
-    free(block);
+    enum { PLASTIC = 3 };
+    static const char strain[] = "axial strain";
+    struct chart charts[4] = {
+        {.title = "Tangent modulus", .x_label = strain, .y_label = "E, MPa", .log_x = 1},
+        {.title = "Loading and unloading", .x_label = strain, .y_label = "q, kPa"},
+        {.title = "Contacts, pohrt_popov_plastic", .x_label = strain, .y_label = "contacts", .log_x = 1},
+        {.title = "Their direction from the horizontal", .x_label = strain, .y_label = "degrees", .log_x = 1}};
+    int status = 0;
+    for (int l = 0; l < LAW_COUNT && !status; l++)
+        status = add_law(laws[l].name, &curves[l], length, charts, l == PLASTIC);
+    if (!status)
+        status = chart_write(path, charts, 4, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
+    for (int k = 0; k < 4; k++)
+        chart_free(&charts[k]);
     return status;
 }
 
@@ -183,5 +192,5 @@ int command_laws(int argc, char **argv)
     struct options options = {.cli = CLI_DEFAULT, .probe = LAW_PROBE_DEFAULT};
     const struct program program = {NULL, documentation, rows, &options, NULL, 0, 0, NULL, NULL};
     cli_parse(&program, argc, argv);
-    return cli_finish(&options.cli, run(&options));
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

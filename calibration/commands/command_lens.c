@@ -6,6 +6,7 @@
 #include "calibration/commands/lens_picture.h"
 #include "calibration/lens/lens_plate.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 
 struct options {
@@ -24,7 +25,7 @@ static const struct option_row rows[] = {
      .help = "How far the plate may have moved"},
     {"search-deg", NULL, OPTION_NUMBER, AT(plate.search_deg), "DEG", .max = 180, .help = "How far it may have turned"},
     {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
-     .help = "Write what is corrected and what is left as arrows (.svg)"},
+     .help = "Draw what is corrected and what is left as arrows (.svg, .pdf, .png)"},
     {0}};
 
 static const char documentation[] =
@@ -93,5 +94,5 @@ int command_lens(int argc, char **argv)
     struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .plate = PLATE_DEFAULT};
     const struct program program = {"PHOTO.tif...", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
     cli_parse(&program, argc, argv);
-    return cli_finish(&options.cli, run(&options));
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

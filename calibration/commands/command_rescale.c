@@ -5,12 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "calibration/commands/law_chart.h"
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/rods/rescale.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/packing/packing_file.h"
 
 struct options {
     struct cli cli;
@@ -34,7 +35,8 @@ static const struct option_row rows[] = {
     {"increments", NULL, OPTION_SWITCH, AT(rescale.increments),
      .help = "Compare stress changes since the first file, not stresses"},
     {"method", NULL, OPTION_TEXT, AT(rescale.method), "NAME", .help = "Scale this method's forces in forces files"},
-    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Rescaled against measured stress as a picture"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
+     .help = "Rescaled against measured stress as a picture (.svg, .pdf, .png)"},
     {0}};
 
 static int check(void *input)
@@ -74,25 +76,23 @@ static cJSON *describe(const struct rescale *rescale)
     return object;
 }
 
-/* A point per state and component: on the diagonal where the stiffness is right. */
+/* Weber's stress against the measured one, a dot per state, for each component. */
 static int draw(const char *path, const struct rescale *rescale)
 {
     static const char *const names[] = {"xx", "yy", "xy"};
-    double *block = malloc((6 * rescale->count + 1) * sizeof *block);
-    struct chart_curve curves[3];
-    if (!block)
-        return error_memory("picture");
-    for (int c = 0; c < 3; c++) {
-        double *x = block + 2 * (size_t)c * rescale->count, *y = x + rescale->count;
-        for (size_t k = 0; k < rescale->count; k++) {
-            x[k] = rescale->states[k].measured[c];
-            y[k] = rescale->states[k].weber[c];
-        }
-        curves[c] = (struct chart_curve){names[c], x, y, rescale->count, CHART_DOTS};
+    struct chart chart = {.title = "Stress of the contacts", .x_label = "measured", .y_label = "Weber, rescaled"};
+    int status = 0;
+    for (int c = 0; c < 3 && !status; c++) {
+        struct chart_line *line = chart_add(&chart, names[c], rescale->count);
+        status = line ? 0 : -1;
+        for (size_t k = 0; line && k < rescale->count; k++)
+            chart_put(line, rescale->states[k].measured[c], rescale->states[k].weber[c]);
+        if (line)
+            line->scattered = line->unjoined = 1;
     }
-    struct chart_panel panel = {"Stress of the contacts", "measured", "Weber, rescaled", 0, 0, curves, 3};
-    int status = chart_write(path, &panel, 1);
-    free(block);
+    if (!status)
+        status = chart_write(path, &chart, 1, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
+    chart_free(&chart);
     return status;
 }
 
@@ -133,5 +133,5 @@ int command_rescale(int argc, char **argv)
                                     CLI_MANY,      "which series? Give its contacts files in order",
                                     check};
     cli_parse(&program, argc, argv);
-    return cli_finish(&options.cli, run(&options));
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

@@ -8,11 +8,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "calibration/commands/law_chart.h"
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/settlement/settle_loop.h"
 #include "calibration/settlement/settle_series.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
@@ -40,7 +40,8 @@ static const struct option_row rows[] = {
     {"ahead", NULL, OPTION_NUMBER, AT(wanted.ahead), "H", .min = 1, .max = 1e9, .help = "Cycles to extrapolate"},
     {"trend", NULL, OPTION_CHOICE, AT(loop.trend), "KIND", .words = TREND_KINDS,
      .help = "How settlement grows; logarithmic: a ln t + b t; log: a ln t"},
-    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Settlement over the cycles as a picture"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
+     .help = "Settlement over the cycles as a picture (.svg, .pdf, .png)"},
     {"per-cycle", NULL, OPTION_LONG, AT(wanted.per_cycle), "N", .min = 1, .max = 1e6, .group = 1,
      .help = "Files per cycle"},
     {"first", NULL, OPTION_NUMBER, AT(wanted.first), "T", .min = 1, .max = 1e9, .group = 1,
@@ -172,23 +173,35 @@ static cJSON *describe_run(const struct settle_result *result)
     return object;
 }
 
+/* What was extrapolated as dots over a line of what every cycle gave, which is left out when there is none (NULL). */
+static int add_cycles(struct chart *chart, const double *full, const double *quick, size_t count)
+{
+    struct chart_line *line = full ? chart_add(chart, "every cycle simulated", count) : NULL;
+    struct chart_line *dots = !full || line ? chart_add(chart, "extrapolated", count) : NULL;
+    if (!dots)
+        return -1;
+    dots->style = 0, dots->scattered = dots->unjoined = 1;
+    if (line)
+        line->style = 1, line->unmarked = 1;
+    for (size_t c = 0; c < count; c++) {
+        chart_put(dots, (double)c, quick[c]);
+        if (line)
+            chart_put(line, (double)c, full[c]);
+    }
+    return 0;
+}
+
 static int draw(const char *path, const struct settle_result *quick, const struct settle_result *full)
 {
     size_t n = quick->cycles + 1;
-    double *x = malloc(n * sizeof *x);
-    if (!x)
-        return error_memory("picture");
-    for (size_t c = 0; c < n; c++)
-        x[c] = (double)c;
-    struct chart_curve settlement[] = {
-        {"extrapolated", x, quick->settlement, n, CHART_DOTS},
-        {"every cycle simulated", x, full->settlement, full->settlement ? n : 0, CHART_LINE}};
-    struct chart_curve z[] = {{"extrapolated", x, quick->z, n, CHART_DOTS},
-                              {"every cycle simulated", x, full->z, full->z ? n : 0, CHART_LINE}};
-    struct chart_panel panels[] = {{"Settlement", "cycles", "m", 0, 0, settlement, 2},
-                                   {"Coordination", "cycles", "2 Nc / Np", 0, 0, z, 2}};
-    int status = chart_write(path, panels, 2);
-    free(x);
+    struct chart charts[] = {{.title = "Settlement", .x_label = "cycles", .y_label = "m", .whole_x = 1},
+                             {.title = "Coordination", .x_label = "cycles", .y_label = "2 Nc / Np", .whole_x = 1}};
+    int status =
+        add_cycles(&charts[0], full->settlement, quick->settlement, n) || add_cycles(&charts[1], full->z, quick->z, n)
+            ? -1
+            : chart_write(path, charts, 2, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
+    chart_free(&charts[0]);
+    chart_free(&charts[1]);
     return status;
 }
 
@@ -247,5 +260,8 @@ int command_settlement(int argc, char **argv)
         .wanted = {.trend = TREND_LOG, .per_cycle = 1, .first = 1, .ahead = 40, .error = NAN, .p = 0.05}};
     const struct program program = {"[FILE.hdf...]", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
     cli_parse(&program, argc, argv);
-    return cli_finish(&options.cli, options.cli.inputs.count ? run_tracked(&options) : run_simulated(&options));
+    int status = canvas_check_path(options.picture);
+    if (!status)
+        status = options.cli.inputs.count ? run_tracked(&options) : run_simulated(&options);
+    return cli_finish(&options.cli, status);
 }

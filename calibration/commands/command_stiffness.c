@@ -8,10 +8,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "calibration/commands/law_chart.h"
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/rods/press_series.h"
 #include "pipeline/command/cli.h"
+#include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
 
@@ -51,7 +51,7 @@ static const struct option_row rows[] = {
      .help = "Added to the photos' time (or index) to give the record's"},
     {"force-error", NULL, OPTION_NUMBER, AT(press.force_error), "N", .max = 1e9,
      .help = "Standard error of the force, N"},
-    {"picture", NULL, OPTION_OUTPUT, AT(picture), "P.svg", .help = "Curve and fits as a picture"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .help = "Curve and fits as a picture (.svg, .pdf, .png)"},
     {0}};
 
 static int check(void *input)
@@ -117,27 +117,23 @@ static cJSON *describe(const struct press_point *points, size_t count, const str
     return object;
 }
 
-/* Force over deflection, um; at most MOST phases. */
-static int draw(const char *path, const struct press_point *points, size_t count, const struct stiffness *stiffness)
+/* The points of each phase, deflections in um. */
+static int draw(const char *path, const struct press_point *points, const struct stiffness *stiffness)
 {
-    enum { MOST = 3 };
-    double *x = malloc((2 * count + 1) * sizeof *x), *y = x + count;
-    struct chart_curve curves[MOST] = {{0}};
-    size_t drawn = 0;
-    if (!x)
-        return error_memory("picture");
-    for (size_t k = 0; k < count; k++) {
-        x[k] = points[k].used ? 1e6 * points[k].deflection : NAN;
-        y[k] = points[k].force;
-    }
-    for (size_t p = 0; p < stiffness->phase_count && p < MOST; p++) {
+    struct chart chart = {.title = "Two rods pressed together", .x_label = "deflection, um", .y_label = "force, N"};
+    int status = 0;
+    for (size_t p = 0; p < stiffness->phase_count && p < CHART_LINES && !status; p++) {
         const struct press_fit *fit = &stiffness->phase[p];
-        curves[drawn++] = (struct chart_curve){PRESS_KINDS[fit->kind], x + fit->begin, y + fit->begin,
-                                               fit->end - fit->begin, CHART_DOTS};
+        struct chart_line *line = chart_add(&chart, PRESS_KINDS[fit->kind], fit->end - fit->begin);
+        status = line ? 0 : -1;
+        for (size_t k = fit->begin; line && k < fit->end; k++)
+            chart_put(line, points[k].used ? 1e6 * points[k].deflection : NAN, points[k].force);
+        if (line)
+            line->scattered = line->unjoined = 1;
     }
-    struct chart_panel panel = {"Two rods pressed together", "deflection, um", "force, N", 0, 0, curves, drawn};
-    int status = chart_write(path, &panel, 1);
-    free(x);
+    if (!status)
+        status = chart_write(path, &chart, 1, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
+    chart_free(&chart);
     return status;
 }
 
@@ -158,7 +154,7 @@ static int fit_and_write(const struct options *options, const struct press_photo
     if (!status)
         status = calibration_write(options->cli.output, describe(points, count, &stiffness));
     if (!status && options->picture)
-        status = draw(options->picture, points, count, &stiffness);
+        status = draw(options->picture, points, &stiffness);
     for (size_t k = 0; points && k < count; k++)
         unused += !points[k].used;
     if (!status)
@@ -203,5 +199,5 @@ int command_stiffness(int argc, char **argv)
                                     "which photos? Give the tracks files in order",
                                     check};
     cli_parse(&program, argc, argv);
-    return cli_finish(&options.cli, run(&options));
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

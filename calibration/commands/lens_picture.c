@@ -1,35 +1,26 @@
+/* Distortions of some px in a photo of thousands are not to be seen in their own size: both fields are magnified, each
+ * so that its longest arrow is as long as there is room between two arrows. The correction is what lens_corrected()
+ * moves; residuals without pattern say that eight parameters suffice, a pattern that they do not, or that the plate is
+ * not flat. */
 #include "calibration/commands/lens_picture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "pipeline/draw/words.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/files/new_file.h"
 
+/* px: width of a panel, room around and above it; and the places of the correction's arrows. */
 enum { PANEL = 560, GAP = 30, CAPTION = 30, ACROSS = 17, DOWN = 13 };
 
-struct panel {
-    FILE *file;
-    double left, scale; /* of the photo on the page: page units per px */
-    double magnify;     /* page units per px of an arrow */
+/* Vectors at places of the photo, both in px of the photo; NaN: not known. */
+struct field {
+    const char *name;
+    enum colour colour;
+    const struct vec *at, *by;
+    size_t count;
+    double room; /* px of the picture for the longest arrow */
 };
-
-static void open_panel(const struct panel *panel, int height, const char *colour, const char *caption, double largest,
-                       double rms)
-{
-    fprintf(panel->file, "<text x=\"%g\" y=\"20\">%s: largest %.4f px, RMS %.4f px; arrows x %.0f</text>\n",
-            panel->left, caption, largest, rms, panel->magnify / panel->scale);
-    fprintf(panel->file, "<rect x=\"%g\" y=\"%d\" width=\"%d\" height=\"%g\" fill=\"none\" stroke=\"#999\"/>\n",
-            panel->left, CAPTION, PANEL, height * panel->scale);
-    fprintf(panel->file, "<g stroke=\"%s\" stroke-width=\"1\" fill=\"%s\">\n", colour, colour);
-}
-
-static void arrow(const struct panel *panel, struct vec at, struct vec by)
-{
-    double x = panel->left + at.x * panel->scale, y = CAPTION + at.y * panel->scale;
-    fprintf(panel->file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"1.5\"/><path d=\"M%.2f %.2fl%.2f %.2f\"/>\n", x, y, x, y,
-            by.x * panel->magnify, by.y * panel->magnify);
-}
 
 /* The longest arrow and the root mean square per component. */
 static double measure(const struct vec *by, size_t count, double *rms)
@@ -46,16 +37,24 @@ static double measure(const struct vec *by, size_t count, double *rms)
     return largest;
 }
 
-static void draw(struct panel *panel, int height, const char *colour, const char *caption, const struct vec *at,
-                 const struct vec *by, size_t count, double room)
+/* From (0, 0) of the canvas on; `scale`: px of the picture per px of the photo. */
+/* Caption, frame, and an arrow at each place, its dot where it begins. */
+static void draw_field(struct canvas *canvas, const struct field *field, double scale, double height)
 {
-    double rms, largest = measure(by, count, &rms);
-    panel->magnify = largest > 0 ? room / largest : 1;
-    open_panel(panel, height, colour, caption, largest, rms);
-    for (size_t k = 0; k < count; k++)
-        if (isfinite(by[k].x))
-            arrow(panel, at[k], by[k]);
-    fputs("</g>\n", panel->file);
+    double rms, largest = measure(field->by, field->count, &rms), magnify = largest > 0 ? field->room / largest : 1;
+    const struct pen arrow = {field->colour, .width = 1}, dot = {.colour = field->colour};
+    char text[120];
+    snprintf(text, sizeof text, "%s: largest %.4f px, RMS %.4f px; arrows x %.0f", field->name, largest, rms,
+             magnify / scale);
+    words_draw(canvas, 0, 20, 0, 12, 0, text);
+    pen_rectangle(canvas, &(struct pen){COLOUR_GREY, .width = 1}, 0, CAPTION, PANEL, height * scale);
+    for (size_t k = 0; k < field->count; k++) {
+        double x = field->at[k].x * scale, y = CAPTION + field->at[k].y * scale;
+        if (!isfinite(field->by[k].x))
+            continue;
+        pen_circle(canvas, &dot, x, y, 1.5);
+        pen_segment(canvas, &arrow, x, y, x + field->by[k].x * magnify, y + field->by[k].y * magnify);
+    }
 }
 
 /* Mean over the photos in which the point was followed. */
@@ -71,12 +70,28 @@ static struct vec mean_residual(const struct lens_points *points, const struct l
     return vec_scale(1 / n, sum); /* NaN: never followed */
 }
 
-static void write_panels(FILE *file, const struct lens_points *points, const struct lens_fitted *fitted,
-                         struct vec *residual)
+/* Both fields side by side. */
+static int draw(const char *path, const struct lens_points *points, const struct field fields[2])
 {
     const double scale = (double)PANEL / points->width;
+    struct canvas canvas;
+    if (canvas_begin(&canvas, path, 3.0 * GAP + 2 * PANEL, CAPTION + GAP + points->height * scale))
+        return -1;
+    int failed = canvas_keep_words(&canvas);
+    for (int f = 0; f < 2 && !failed; f++) {
+        canvas_move(&canvas, GAP + f * (PANEL + GAP), 0, 0);
+        draw_field(&canvas, &fields[f], scale, points->height);
+        canvas_restore(&canvas);
+    }
+    return canvas_end(&canvas, failed);
+}
+
+int lens_picture(const char *path, const struct lens_points *points, const struct lens_fitted *fitted)
+{
     struct vec place[ACROSS * DOWN], correction[ACROSS * DOWN];
-    struct panel panel = {.file = file, .left = GAP, .scale = scale};
+    struct vec *residual = malloc((points->count + 1) * sizeof *residual);
+    if (!residual)
+        return error_memory("the picture of the lens");
     for (int k = 0; k < ACROSS * DOWN; k++) {
         place[k] = vec((points->width - 1) * (k % ACROSS) / (ACROSS - 1.0),
                        (points->height - 1) * (k / ACROSS) / (DOWN - 1.0));
@@ -84,37 +99,10 @@ static void write_panels(FILE *file, const struct lens_points *points, const str
     }
     for (size_t k = 0; k < points->count; k++)
         residual[k] = mean_residual(points, fitted, k);
-    double width = 3.0 * GAP + 2 * PANEL, height = CAPTION + GAP + points->height * scale;
-    fprintf(file,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\" font-family=\"sans-serif\" "
-            "font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
-            width, height);
-    draw(&panel, points->height, "#1f5fa8", "correction", place, correction, ACROSS * DOWN, 0.8 * PANEL / ACROSS);
-    panel.left = PANEL + 2 * GAP;
-    draw(&panel, points->height, "#b03a2e", "left at the points", points->reference, residual, points->count,
-         1.5 * PANEL / sqrt((double)points->count + 1));
-    fputs("</svg>\n", file);
-}
-
-int lens_picture(const char *path, const struct lens_points *points, const struct lens_fitted *fitted)
-{
-    struct new_file file;
-    struct vec *residual = malloc((points->count + 1) * sizeof *residual);
-    if (!residual)
-        return error_memory("the picture of the lens");
-    if (new_file_begin(&file, path)) {
-        free(residual);
-        return -1;
-    }
-    FILE *stream = fopen(file.temporary, "w");
-    int status = stream ? 0 : error_failed("%s: cannot be written: check the disk", path);
-    if (stream) {
-        write_panels(stream, points, fitted, residual);
-        if (ferror(stream) | fclose(stream))
-            status = error_failed("%s: cannot be written: check the disk", path);
-    }
+    const struct field fields[2] = {{"correction", COLOUR_BLUE, place, correction, ACROSS * DOWN, 0.8 * PANEL / ACROSS},
+                                    {"left at the points", COLOUR_VERMILLION, points->reference, residual,
+                                     points->count, 1.5 * PANEL / sqrt((double)points->count + 1)}};
+    int status = draw(path, points, fields);
     free(residual);
-    if (status)
-        return new_file_discard(&file), -1;
-    return new_file_commit(&file);
+    return status;
 }

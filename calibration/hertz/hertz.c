@@ -4,12 +4,10 @@
 
 #include "pipeline/speak/error.h"
 
-static const double pi = 3.141592653589793;
-
 double hertz_volume_per_contact(int dimensions, double radius, double porosity, double coordination)
 {
     double solid = (1 - porosity) * coordination;
-    return dimensions == HERTZ_2D ? 2 * pi * radius * radius / solid : 8 * pi * pow(radius, 3) / (3 * solid);
+    return dimensions == HERTZ_2D ? 2 * M_PI * radius * radius / solid : 8 * M_PI * pow(radius, 3) / (3 * solid);
 }
 
 double hertz_mean_force(const struct hertz_packing *packing)

@@ -144,10 +144,9 @@ static double largest_diameter(const struct simulation *simulation)
 
 static double volume_of(const struct simulation *simulation)
 {
-    const double pi = 3.141592653589793;
     double volume = 0;
     for (size_t g = 0; g < simulation->grade_count; g++)
-        volume += (double)simulation->grading[g].count * pi / 6 * pow(simulation->grading[g].diameter, 3);
+        volume += (double)simulation->grading[g].count * M_PI / 6 * pow(simulation->grading[g].diameter, 3);
     return volume;
 }
 
@@ -164,12 +163,11 @@ static long grains_of(const struct simulation *simulation)
 static double common(const struct lammps_probes *probes, const char *script, double young, double poisson,
                      struct variables *v)
 {
-    const double pi = 3.141592653589793;
     const struct simulation *s = probes->simulation;
-    double d = largest_diameter(s), mean = cbrt(volume_of(s) / (double)grains_of(s) * 6 / pi), least = d;
+    double d = largest_diameter(s), mean = cbrt(volume_of(s) / (double)grains_of(s) * 6 / M_PI), least = d;
     for (size_t g = 0; g < s->grade_count; g++)
         least = fmin(least, s->grading[g].diameter);
-    double light = s->density * pi / 6 * pow(least, 3), mass = s->density * pi / 6 * pow(mean, 3), kn, ks;
+    double light = s->density * M_PI / 6 * pow(least, 3), mass = s->density * M_PI / 6 * pow(mean, 3), kn, ks;
     hertz_stiffness(0.5 * mean, young / (2 * (1 + poisson)), poisson, s->pressure * mean * mean, &kn, &ks);
     *v = (struct variables){.count = 0};
     const char *words[] = {"lmp", "-in", script, "-log", "none"};

@@ -92,13 +92,12 @@ static int by_radius(const void *a, const void *b)
 
 void probe_fabric(const struct probe_packing *packing, struct probe_fabric *fabric)
 {
-    const double pi = 3.141592653589793;
     const struct dem *dem = &packing->loading.dem;
     double area = 0, box = dem->box.size[BOX_WIDTH] * dem->box.size[BOX_HEIGHT];
     double *radius = malloc((dem->count + 1) * sizeof *radius);
     size_t between = 0, wall = 0;
     for (size_t k = 0; k < dem->count; k++) {
-        area += pi * dem->grains[k].radius * dem->grains[k].radius;
+        area += M_PI * dem->grains[k].radius * dem->grains[k].radius;
         if (radius)
             radius[k] = dem->grains[k].radius;
     }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/numbers/dense.h"
 #include "calibration/lens/lens_model.h"
 #include "pipeline/speak/error.h"
 
@@ -18,9 +19,9 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
         for (size_t i = 0; i < n; i++)
             matrix[i * n + i] *= 1 + damping;
-        if (!factorise(matrix, n))
+        if (dense_factorise(matrix, n, n, 0))
             return error_input("lens: the equations of the plate are singular: take photos with larger motions");
-        solve(matrix, n, right);
+        dense_substitute(matrix, n, n, right);
         for (size_t i = 0; i < n; i++)
             trial[i] = q[i] + right[i];
         double next = normal_equations(problem, trial, NULL, NULL);
@@ -36,9 +37,10 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
         if ((better && gain <= 1e-10 * square) || damping > 1e10)
             break;
     }
-    return factorise(matrix, n) ? 0
-                                : error_input("lens: the equations of the plate are singular: take photos with "
-                                              "larger motions");
+    return dense_factorise(matrix, n, n, 0)
+               ? error_input("lens: the equations of the plate are singular: take photos with "
+                             "larger motions")
+               : 0;
 }
 
 /* Covariance of the unknowns of the lens: columns of the inverse. */
@@ -47,7 +49,7 @@ static void lens_covariance(const double *factor, size_t n, double scale, double
     for (size_t a = 0; a < LENS_UNKNOWNS; a++) {
         double column[SIZE_MAX_UNKNOWNS] = {0};
         column[a] = 1;
-        solve(factor, n, column);
+        dense_substitute(factor, n, n, column);
         for (size_t b = 0; b < LENS_UNKNOWNS; b++)
             out[a][b] = scale * column[b];
     }

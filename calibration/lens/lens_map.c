@@ -1,4 +1,5 @@
 /* What a difference of lenses looks like in the photo. */
+#include "pipeline/numbers/dense.h"
 #include "calibration/lens/lens_model.h"
 
 #include <string.h>
@@ -61,7 +62,7 @@ double map_error(const struct problem *problem, const double *q, double covarian
     struct vec place[MAP_POINTS], slopes[MAP_POINTS][LENS_UNKNOWNS], field[MAP_POINTS];
     double factor[LENS_UNKNOWNS * LENS_UNKNOWNS], total = 0, most;
     memcpy(factor, covariance, sizeof factor);
-    if (!factorise(factor, LENS_UNKNOWNS))
+    if (dense_factorise(factor, LENS_UNKNOWNS, LENS_UNKNOWNS, 0))
         return NAN;
     map_places(problem->points->width, problem->points->height, place);
     for (int k = 0; k < MAP_POINTS; k++)

@@ -30,10 +30,6 @@ struct row row_of(const struct problem *problem, const double *q, const double *
  * squares, priors included. */
 double normal_equations(const struct problem *problem, const double *q, double *matrix, double *right);
 
-/* Cholesky in place; 0 when the matrix is not positive definite. Then the solution of m x = right, in place. */
-int factorise(double *m, size_t n);
-void solve(const double *m, size_t n, double *x);
-
 /* Standard error of the map over the photo, rigid motion and scale aside. */
 double map_error(const struct problem *problem, const double *q, double covariance[LENS_UNKNOWNS][LENS_UNKNOWNS]);
 

@@ -1,49 +1,18 @@
 #include "calibration/rods/fit.h"
 
-#include <math.h>
 #include <string.h>
 
-/* matrix = L L^T, the lower triangle in place. */
-static int decompose(double m[FIT_MOST][FIT_MOST], int n)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = m[i][j], whole = m[i][i];
-            for (int k = 0; k < j; k++)
-                sum -= m[i][k] * m[j][k];
-            if (i != j)
-                m[i][j] = sum / m[j][j];
-            else if (!(sum > 1e-14 * fabs(whole)))
-                return -1;
-            else
-                m[i][i] = sqrt(sum);
-        }
-    return 0;
-}
-
-static void substitute(double m[FIT_MOST][FIT_MOST], int n, double *x)
-{
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++)
-            x[i] -= m[i][k] * x[k];
-        x[i] /= m[i][i];
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++)
-            x[i] -= m[k][i] * x[k];
-        x[i] /= m[i][i];
-    }
-}
+#include "pipeline/numbers/dense.h"
 
 int fit_solve(double matrix[FIT_MOST][FIT_MOST], int n, double *x, double inverse[FIT_MOST][FIT_MOST])
 {
-    if (decompose(matrix, n))
+    if (dense_factorise(&matrix[0][0], (size_t)n, FIT_MOST, 1e-14))
         return -1;
-    substitute(matrix, n, x);
+    dense_substitute(&matrix[0][0], (size_t)n, FIT_MOST, x);
     for (int c = 0; inverse && c < n; c++) {
         double column[FIT_MOST] = {0};
         column[c] = 1;
-        substitute(matrix, n, column);
+        dense_substitute(&matrix[0][0], (size_t)n, FIT_MOST, column);
         for (int i = 0; i < n; i++)
             inverse[i][c] = column[i];
     }
@@ -73,22 +42,4 @@ int fit_linear(const double *rows, const double *y, const double *w, size_t coun
     if (chi2)
         *chi2 = sum;
     return 0;
-}
-
-double fit_golden(double (*f)(double x, void *user), void *user, double low, double high, double tolerance)
-{
-    const double golden = 0.6180339887498949;
-    double a = high - golden * (high - low), b = low + golden * (high - low), fa = f(a, user), fb = f(b, user);
-    while (high - low > tolerance) {
-        if (fa <= fb) {
-            high = b;
-            b = a, fb = fa;
-            fa = f(a = high - golden * (high - low), user);
-        } else {
-            low = a;
-            a = b, fa = fb;
-            fb = f(b = low + golden * (high - low), user);
-        }
-    }
-    return 0.5 * (low + high);
 }

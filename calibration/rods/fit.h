@@ -14,7 +14,4 @@ int fit_linear(const double *rows, const double *y, const double *w, size_t coun
 /* Solve the symmetric positive system in place (Cholesky): x, and the inverse when it is not NULL. */
 int fit_solve(double matrix[FIT_MOST][FIT_MOST], int unknowns, double *x, double inverse[FIT_MOST][FIT_MOST]);
 
-/* Minimum of f on [low, high] by golden sections to `tolerance`. */
-double fit_golden(double (*f)(double x, void *user), void *user, double low, double high, double tolerance);
-
 #endif

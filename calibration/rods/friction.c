@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 static const double degree = 0.017453292519943295;
 

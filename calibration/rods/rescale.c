@@ -7,6 +7,7 @@
 #include "calibration/rods/fit.h"
 #include "forces/infer_forces.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/numbers/golden.h"
 #include "pipeline/packing/stress.h"
 
 static const double TRIAL_KN = 1e7; /* N/m: any; forces are proportional to it */
@@ -41,8 +42,10 @@ static int measure(struct job *job)
     int first = job->options->increments;
     job->used = 0;
     for (size_t k = 0; k < job->count; k++) {
-        double sigma[2][2];
-        stress_applied(&job->states[k], packing_area(&job->states[k]), sigma);
+        double sigma[2][2], area;
+        if (packing_area(&job->states[k], &area))
+            return -1;
+        stress_applied(&job->states[k], area, sigma);
         three(sigma, job->measured[k]);
         for (int c = 0; first && k && c < 3; c++)
             job->measured[k][c] -= job->measured[0][c];
@@ -53,11 +56,14 @@ static int measure(struct job *job)
     return job->used ? 0 : error_input("no stress is measured: the walls of the files carry no loads: give loads.csv");
 }
 
-static void weber(struct packing *packing, const struct contact_forces *forces, double out[3])
+static int weber(struct packing *packing, const struct contact_forces *forces, double out[3])
 {
-    double sigma[2][2];
-    stress_weber(packing, forces->fn, forces->ft, packing_area(packing), sigma);
+    double sigma[2][2], area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, forces->fn, forces->ft, area, sigma);
     three(sigma, out);
+    return 0;
 }
 
 /* Elastic forces of the whole series with k_n = TRIAL_KN: overlaps first, then motions; each state starts from the one
@@ -82,7 +88,7 @@ static int elastic_series(struct job *job, double ratio)
         options.previous = k ? &before : NULL;
         status = infer_forces(&job->states[k], &options, METHOD_CEM, &forces);
         if (!status)
-            weber(&job->states[k], &forces.contact, job->weber[k]);
+            status = weber(&job->states[k], &forces.contact, job->weber[k]);
         forces_free(&kept);
         kept = forces;
     }
@@ -97,7 +103,8 @@ static int file_forces(struct job *job)
         if (!forces)
             return error_input("state %lld has no forces of method '%s': run forces --method %s",
                                (long long)job->states[k].info.index, job->options->method, job->options->method);
-        weber(&job->states[k], &forces->contact, job->weber[k]);
+        if (weber(&job->states[k], &forces->contact, job->weber[k]))
+            return -1;
     }
     return 0;
 }
@@ -145,7 +152,7 @@ static int seek_ratio(struct job *job, struct rescale *rescale)
         if (misfit < least)
             least = misfit, best = g * step;
     }
-    best = fit_golden(misfit_at, job, fmax(0, best - step), fmin(MOST_RATIO, best + step), 1e-4);
+    best = golden_section(misfit_at, job, fmax(0, best - step), fmin(MOST_RATIO, best + step), 1e-4);
     double h = 0.02, here = misfit_at(best, job);
     double bend = (misfit_at(best + h, job) + misfit_at(fabs(best - h), job) - 2 * here) / (h * h);
     double freedom = fmax(1, (double)job->used - 2);

@@ -6,7 +6,8 @@
 
 #include "calibration/rods/fit.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/golden.h"
+#include "pipeline/numbers/quantiles.h"
 
 const char *const PRESS_KINDS[] = {"loading", "unloading", "reloading"};
 
@@ -82,7 +83,7 @@ static double search(double (*f)(double, void *), void *user, double low, double
         if (value < least)
             least = value, best = low + g * step;
     }
-    return fit_golden(f, user, fmax(low, best - step), fmin(high, best + step), 1e-9 * (high - low));
+    return golden_section(f, user, fmax(low, best - step), fmin(high, best + step), 1e-9 * (high - low));
 }
 
 /* Factor on the standard errors: 1 where the points are as good as they say. */

@@ -6,7 +6,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/grains.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/state/state.h"
 
 void settle_series_free(struct settle_series *series)

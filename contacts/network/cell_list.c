@@ -3,95 +3,55 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "pipeline/numbers/cell_grid.h"
 #include "pipeline/speak/error.h"
 
-enum { CLASSES = 24, MOST_NEAR_CELLS = 64 };
-static const size_t NONE = (size_t)-1;
-#define MAX_CELLS_ACROSS 1073741824.0 /* 2^30: cell numbers stay far inside int64 */
-#define FARTHEST 1e150                /* further out squares of differences are no numbers */
+enum { CLASSES = 24 };
 
-struct cell {
-    int level;
-    int64_t column, row;
-};
-
-struct cell_list {
+struct discs {
     const double *x, *y, *radius;
     size_t count;
-    double margin, x0, y0;
-    double largest[CLASSES]; /* radius of the largest disc of the class; 0: empty class */
-    double width[CLASSES];   /* of its cells */
-    signed char *level;      /* class of each disc; -1: left out */
-    size_t *head, *next;     /* chains of discs whose cells share a bucket */
-    size_t mask;             /* buckets - 1 */
+    double margin;
+    double largest[CLASSES];        /* radius of the largest disc of the class; 0: empty class */
+    struct cell_grid grid[CLASSES]; /* of each class, in cells as wide as two of its largest discs */
+    signed char *level;             /* class of each disc; -1: left out */
 };
 
-static struct cell cell_at(const struct cell_list *list, int level, double x, double y)
+/* Sort the discs into classes. */
+static void classify(struct discs *discs, const unsigned char *skip, size_t members[CLASSES])
 {
-    double width = list->width[level];
-    return (struct cell){level, (int64_t)floor((x - list->x0) / width), (int64_t)floor((y - list->y0) / width)};
+    double smallest = INFINITY;
+    for (size_t k = 0; k < discs->count; k++) {
+        int usable = fabs(discs->x[k]) < CELL_GRID_FARTHEST && fabs(discs->y[k]) < CELL_GRID_FARTHEST &&
+                     discs->radius[k] > 0 && discs->radius[k] < CELL_GRID_FARTHEST;
+        discs->level[k] = usable && !(skip && skip[k]) ? 0 : -1;
+        if (discs->level[k] == 0)
+            smallest = fmin(smallest, discs->radius[k]);
+    }
+    for (size_t k = 0; k < discs->count; k++) {
+        if (discs->level[k] < 0)
+            continue;
+        int level = (int)fmin(log2(discs->radius[k] / smallest), CLASSES - 1);
+        discs->level[k] = (signed char)level;
+        discs->largest[level] = fmax(discs->largest[level], discs->radius[k]);
+        members[level]++;
+    }
 }
 
-static size_t bucket_of(const struct cell_list *list, struct cell cell)
+static int fill(struct discs *discs, const unsigned char *skip)
 {
-    uint64_t h = (uint64_t)cell.column * 0x9E3779B97F4A7C15u ^ (uint64_t)cell.row * 0xC2B2AE3D27D4EB4Fu ^
-                 (uint64_t)cell.level * 0x165667B19E3779F9u;
-    h ^= h >> 32;
-    h *= 0xD6E8FEB86659FD93u;
-    h ^= h >> 32;
-    return (size_t)h & list->mask;
-}
-
-/* Sort the discs into classes and choose the cells. */
-static void classify(struct cell_list *list, const unsigned char *skip)
-{
-    double smallest = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
-    list->x0 = list->y0 = INFINITY;
-    for (size_t k = 0; k < list->count; k++) {
-        int usable = fabs(list->x[k]) < FARTHEST && fabs(list->y[k]) < FARTHEST && list->radius[k] > 0 &&
-                     list->radius[k] < FARTHEST;
-        list->level[k] = usable && !(skip && skip[k]) ? 0 : -1;
-        if (list->level[k] < 0)
-            continue;
-        smallest = fmin(smallest, list->radius[k]);
-        list->x0 = fmin(list->x0, list->x[k]);
-        list->y0 = fmin(list->y0, list->y[k]);
-        x1 = fmax(x1, list->x[k]);
-        y1 = fmax(y1, list->y[k]);
-    }
-    for (size_t k = 0; k < list->count; k++) {
-        if (list->level[k] < 0)
-            continue;
-        int level = (int)fmin(log2(list->radius[k] / smallest), CLASSES - 1);
-        list->level[k] = (signed char)level;
-        list->largest[level] = fmax(list->largest[level], list->radius[k]);
-    }
-    double narrowest = fmax(x1 - list->x0, y1 - list->y0) / MAX_CELLS_ACROSS;
+    size_t members[CLASSES] = {0};
+    discs->level = malloc(discs->count + 1);
+    if (!discs->level)
+        return error_memory("classes of discs");
+    classify(discs, skip, members);
     for (int level = 0; level < CLASSES; level++)
-        list->width[level] = fmax(2 * list->largest[level] + list->margin, narrowest);
-}
-
-static int fill(struct cell_list *list, const unsigned char *skip)
-{
-    size_t buckets = 16;
-    while (buckets < list->count)
-        buckets *= 2;
-    list->mask = buckets - 1;
-    list->level = malloc(list->count + 1);
-    list->next = malloc((list->count + 1) * sizeof *list->next);
-    list->head = malloc(buckets * sizeof *list->head);
-    if (!list->level || !list->next || !list->head)
-        return error_memory("cells");
-    classify(list, skip);
-    for (size_t b = 0; b < buckets; b++)
-        list->head[b] = NONE;
-    for (size_t k = list->count; k-- > 0;) {
-        if (list->level[k] < 0)
-            continue;
-        size_t bucket = bucket_of(list, cell_at(list, list->level[k], list->x[k], list->y[k]));
-        list->next[k] = list->head[bucket];
-        list->head[bucket] = k;
-    }
+        if (members[level] &&
+            cell_grid_open(&discs->grid[level], members[level], 2 * discs->largest[level] + discs->margin))
+            return -1;
+    for (size_t k = 0; k < discs->count; k++)
+        if (discs->level[k] >= 0)
+            cell_grid_add(&discs->grid[discs->level[k]], k, discs->x[k], discs->y[k]);
     return 0;
 }
 
@@ -112,55 +72,27 @@ static int push(struct near_pairs *pairs, size_t *room, size_t a, size_t b)
     return 0;
 }
 
-/* Is `other`, of class `level`, near disc k? In its own class only those of smaller number, so that a pair counts once.
- */
-static int offer(const struct cell_list *list, size_t k, int level, size_t other, struct near_pairs *pairs,
-                 size_t *room)
+/* Those of class `level` that are near disc k; in its own class only those of smaller number, so that a pair counts
+ * once. */
+static int search_level(const struct discs *discs, size_t k, int level, struct near_pairs *pairs, size_t *room)
 {
-    if (list->level[other] != level || (level == list->level[k] && other >= k))
-        return 0;
-    double reach = list->radius[k] + list->radius[other] + list->margin;
-    double dx = list->x[other] - list->x[k], dy = list->y[other] - list->y[k];
-    return dx * dx + dy * dy <= reach * reach ? push(pairs, room, k, other) : 0;
-}
-
-static int search_cell(const struct cell_list *list, size_t k, struct cell cell, struct near_pairs *pairs, size_t *room)
-{
-    for (size_t other = list->head[bucket_of(list, cell)]; other != NONE; other = list->next[other]) {
-        struct cell at = cell_at(list, cell.level, list->x[other], list->y[other]);
-        if (at.column == cell.column && at.row == cell.row && offer(list, k, cell.level, other, pairs, room))
+    struct cell_search search = cell_grid_near(&discs->grid[level], discs->x[k], discs->y[k],
+                                               discs->radius[k] + discs->largest[level] + discs->margin);
+    for (size_t other; (other = cell_grid_next(&search)) != CELL_GRID_END;) {
+        if (level == discs->level[k] && other >= k)
+            continue;
+        double reach = discs->radius[k] + discs->radius[other] + discs->margin;
+        double dx = discs->x[other] - discs->x[k], dy = discs->y[other] - discs->y[k];
+        if (dx * dx + dy * dy <= reach * reach && push(pairs, room, k, other))
             return -1;
     }
     return 0;
 }
 
-/* Without the cells, which would be more than there are discs. */
-static int search_class(const struct cell_list *list, size_t k, int level, struct near_pairs *pairs, size_t *room)
+static int search_around(const struct discs *discs, size_t k, struct near_pairs *pairs, size_t *room)
 {
-    for (size_t other = 0; other < list->count; other++)
-        if (offer(list, k, level, other, pairs, room))
-            return -1;
-    return 0;
-}
-
-static int search_level(const struct cell_list *list, size_t k, int level, struct near_pairs *pairs, size_t *room)
-{
-    double reach = list->radius[k] + list->largest[level] + list->margin, across = 2 * reach / list->width[level] + 2;
-    if (!(across * across <= (double)list->count + MOST_NEAR_CELLS))
-        return search_class(list, k, level, pairs, room);
-    struct cell low = cell_at(list, level, list->x[k] - reach, list->y[k] - reach);
-    struct cell high = cell_at(list, level, list->x[k] + reach, list->y[k] + reach);
-    for (int64_t row = low.row; row <= high.row; row++)
-        for (int64_t column = low.column; column <= high.column; column++)
-            if (search_cell(list, k, (struct cell){level, column, row}, pairs, room))
-                return -1;
-    return 0;
-}
-
-static int search_around(const struct cell_list *list, size_t k, struct near_pairs *pairs, size_t *room)
-{
-    for (int level = 0; level <= list->level[k]; level++)
-        if (list->largest[level] > 0 && search_level(list, k, level, pairs, room))
+    for (int level = 0; level <= discs->level[k]; level++)
+        if (discs->grid[level].count && search_level(discs, k, level, pairs, room))
             return -1;
     return 0;
 }
@@ -209,20 +141,20 @@ static int sort_pairs(struct near_pairs *pairs, size_t discs)
 int near_pairs_find(const double *x, const double *y, const double *radius, const unsigned char *skip, size_t count,
                     double margin, struct near_pairs *pairs)
 {
-    struct cell_list list = {.x = x, .y = y, .radius = radius, .count = count, .margin = margin};
+    struct discs discs = {.x = x, .y = y, .radius = radius, .count = count, .margin = margin};
     size_t room = 0;
     *pairs = (struct near_pairs){0};
-    int status = fill(&list, skip);
+    int status = fill(&discs, skip);
     for (size_t k = 0; status == 0 && k < count; k++)
-        if (list.level[k] >= 0)
-            status = search_around(&list, k, pairs, &room);
+        if (discs.level[k] >= 0)
+            status = search_around(&discs, k, pairs, &room);
     if (status == 0)
         status = sort_pairs(pairs, count);
     if (status)
         near_pairs_free(pairs);
-    free(list.level);
-    free(list.next);
-    free(list.head);
+    for (int level = 0; level < CLASSES; level++)
+        cell_grid_free(&discs.grid[level]);
+    free(discs.level);
     return status;
 }
 

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "pipeline/numbers/dense.h"
+
 enum { ROWS = 4, COLUMNS_MOST = 2 * HOLDS_MOST, MAX_EXCHANGES = 100 };
 #define SLACK 0.02 /* directions are known no better, and a force may sit on its cone's edge */
 #define TINY 1e-12
@@ -32,8 +34,8 @@ static void residual(const struct least_squares *p, double left[ROWS])
     }
 }
 
-/* Unconstrained solution on the passive columns by Gauss-Jordan on their normal equations; the tiny diagonal makes
- * columns that depend on each other share. */
+/* Unconstrained solution on the passive columns by their normal equations; the tiny diagonal makes columns that depend
+ * on each other share. */
 static void solve_passive(struct least_squares *p)
 {
     double m[ROWS + 1][ROWS + 2];
@@ -43,14 +45,9 @@ static void solve_passive(struct least_squares *p)
             m[i][j] = dot(p->column[p->passive[i]], p->column[p->passive[j]]) + (i == j ? TINY : 0);
         m[i][n] = dot(p->column[p->passive[i]], p->b);
     }
-    for (int k = 0; k < n; k++)
-        for (int i = 0; i < n; i++) {
-            double factor = i == k ? 0 : m[i][k] / m[k][k];
-            for (int j = k; j <= n && factor != 0; j++)
-                m[i][j] -= factor * m[k][j];
-        }
+    (void)dense_solve(&m[0][0], (size_t)n, ROWS + 2, -INFINITY); /* with the tiny diagonal always a solution */
     for (int i = 0; i < n; i++)
-        p->trial[p->passive[i]] = m[i][n] / m[i][i];
+        p->trial[p->passive[i]] = m[i][n];
 }
 
 /* Go from x towards the trial as far as all stay positive; what reaches zero leaves. Returns 1 when all the way. */

@@ -4,7 +4,7 @@
 
 #include "contacts/network/cell_list.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 #define WINDOW_OF_RADIUS 0.02 /* gaps up to this share of the median radius tell the density of gaps */
 #define WINDOW_OF_ERROR 6.0   /* standard errors that the window must hold to see the density's shape */

@@ -4,7 +4,7 @@
 
 #include "contacts/network/pair.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 enum { GRID = 25, MAX_ZOOMS = 16, MAX_FOLLOWED = 400 };
 #define PRIOR_REACH 5.0 /* prior standard deviations that are searched */

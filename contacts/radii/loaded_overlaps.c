@@ -39,9 +39,12 @@ int loaded_overlaps(const struct contact_input *input, const struct grains *grai
     int status = walls_of_scene(input, grains, &frame);
     if (status == 0)
         status = loads_apply(scene->loads, input->index, scene->grains.length, &frame.now);
+    struct packing view = {.grains = *grains, .walls = frame.now, .length_m = NAN};
+    double area;
+    if (status == 0)
+        status = packing_area(&view, &area);
     if (status == 0) {
-        struct packing view = {.grains = *grains, .walls = frame.now, .length_m = NAN};
-        double share_of_walls = 2 * mean_radius(grains) / sqrt(packing_area(&view));
+        double share_of_walls = 2 * mean_radius(grains) / sqrt(area);
         stress_applied(&view, 1, sigma); /* times the volume */
         double value = (sigma[0][0] + sigma[1][1]) / scene->contact.kn * (1 - share_of_walls);
         *sum = value > 0 ? value : 0;

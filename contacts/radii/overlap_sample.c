@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 enum { MAX_PAIRS = 20000 };
 

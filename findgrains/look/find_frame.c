@@ -2,7 +2,7 @@
  * least squares over the grains that touch it. */
 #include "findgrains/look/find_frame.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

@@ -1,11 +1,14 @@
+/* The zoom is a whole number, or one over one, so that a place can be read off; letters grow with the picture, which is
+ * looked at as a whole. Right of the photo is room for a tick, a gap and the longest number; below it for ticks,
+ * numbers, and the lines of the caption. */
 #include "findgrains/picture/overlay_scale.h"
-
-#include "findgrains/picture/overlay.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "pipeline/draw/axis.h"
 
 #define LEAST_TEXT 12.0    /* px: letters of the smallest pictures */
 #define SIDE_PER_TEXT 90.0 /* longer side of larger ones over the letters: legible when it fills a screen */
@@ -19,13 +22,7 @@
 
 /* ---- layout ---- */
 
-/* The smallest of 1, 2, 5 times a power of ten that is not below the value, nor below 1. */
-static double round_up(double value)
-{
-    double power = pow(10, floor(log10(fmax(value, 1)))), digit = value / power;
-    return power * (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10);
-}
-
+/* Of a whole number in decimals. */
 static double count_digits(double number)
 {
     return 1 + floor(log10(fmax(number, 1)));
@@ -39,7 +36,7 @@ void overlay_layout_make(int width, int height, struct overlay_layout *layout)
     layout->photo_width = (int)fmax(1, width * layout->zoom);
     layout->photo_height = (int)fmax(1, height * layout->zoom);
     layout->text = fmax(LEAST_TEXT, round(side * layout->zoom / SIDE_PER_TEXT));
-    layout->step = round_up(NUMBER_SPACING * layout->text / layout->zoom);
+    layout->step = axis_round_up(fmax(1, NUMBER_SPACING * layout->text / layout->zoom));
     double numbers = 2 * TICK + LETTER * count_digits(height) + 0.5;
     layout->width = (int)fmax(layout->photo_width + ceil(numbers * layout->text), LEAST_WIDTH * layout->text);
     layout->height = layout->photo_height + (int)ceil((2 * TICK + LINE) * layout->text);
@@ -66,6 +63,7 @@ static void __attribute__((format(printf, 2, 3))) put(struct overlay_layout *lay
     snprintf(line + length, OVERLAY_CAPTION_LENGTH - length, "%s%s", length ? joint : "", part);
 }
 
+/* Parts that say nothing of this photo are left out. */
 void overlay_layout_caption(const struct overlay_facts *facts, struct overlay_layout *layout)
 {
     memset(layout->caption, 0, sizeof layout->caption);
@@ -87,6 +85,7 @@ void overlay_layout_caption(const struct overlay_facts *facts, struct overlay_la
     layout->height = layout->photo_height + (int)ceil((2 * TICK + LINE * (lines + 1) + 0.5) * layout->text);
 }
 
+/* As large as fits the circle: 0.6 of the radius high, 1.5 radii wide. */
 double overlay_number_size(const struct overlay_layout *layout, double radius_px, size_t number)
 {
     double radius = radius_px * layout->zoom;
@@ -96,79 +95,54 @@ double overlay_number_size(const struct overlay_layout *layout, double radius_px
 
 /* ---- drawing ---- */
 
-double overlay_text_width(cairo_t *cairo, double size, const char *text)
-{
-    cairo_text_extents_t extents;
-    cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo, size);
-    cairo_text_extents(cairo, text, &extents);
-    return extents.x_advance;
-}
-
-static void line(cairo_t *cairo, double x, double y, double dx, double dy)
-{
-    cairo_move_to(cairo, x, y);
-    cairo_line_to(cairo, x + dx, y + dy);
-    cairo_stroke(cairo);
-}
-
 /* A tick at `at` px of the photo on both sides: on the paper, and along the photo's border across, white on dark. */
-static void draw_tick(const struct overlay_layout *layout, cairo_t *cairo, int down, double at, double length)
+static void draw_tick(const struct overlay_layout *layout, struct canvas *canvas, int down, double at, double length)
 {
     double place = (at + 0.5) * layout->zoom, width = fmax(2, layout->text / 12);
-    double dx = down ? length : 0, dy = down ? 0 : length;
-    cairo_set_line_width(cairo, 2.5 * width);
-    cairo_set_source_rgb(cairo, OVERLAY_INK);
-    line(cairo, down ? 0 : place, down ? place : 0, dx, dy);
-    cairo_set_line_width(cairo, width);
-    line(cairo, down ? layout->photo_width : place, down ? place : layout->photo_height, dx, dy);
-    cairo_set_source_rgb(cairo, 1, 1, 1);
-    line(cairo, down ? 0 : place, down ? place : 0, dx, dy);
+    double dx = down ? length : 0, dy = down ? 0 : length, x = down ? 0 : place, y = down ? place : 0;
+    double far_x = down ? layout->photo_width : place, far_y = down ? place : layout->photo_height;
+    const struct pen dark = {COLOUR_INK, .width = 2.5 * width, .round_joins = 1};
+    const struct pen tick = {COLOUR_INK, .width = width, .round_joins = 1};
+    const struct pen white = {COLOUR_WHITE, .width = width, .round_joins = 1};
+    pen_segment(canvas, &dark, x, y, x + dx, y + dy);
+    pen_segment(canvas, &tick, far_x, far_y, far_x + dx, far_y + dy);
+    pen_segment(canvas, &white, x, y, x + dx, y + dy);
 }
 
-static void draw_number(const struct overlay_layout *layout, cairo_t *cairo, int down, double at)
+/* Centred below its tick, or to the right of it; not outside the picture. */
+static void draw_number(const struct overlay_layout *layout, struct canvas *canvas, int down, double at)
 {
     char text[32];
     double place = (at + 0.5) * layout->zoom, em = layout->text;
     snprintf(text, sizeof text, "%.0f", at);
-    double width = overlay_text_width(cairo, em, text);
-    cairo_set_source_rgb(cairo, OVERLAY_INK);
     if (down)
-        cairo_move_to(cairo, layout->photo_width + 1.5 * TICK * em, fmax(0.75 * em, place + 0.36 * em));
+        words_draw(canvas, layout->photo_width + 1.5 * TICK * em, fmax(0.75 * em, place + 0.36 * em), 0, em, 0, text);
     else
-        cairo_move_to(cairo, fmax(0, place - 0.5 * width), layout->photo_height + TICK * em + em);
-    cairo_show_text(cairo, text);
+        words_draw(canvas, fmax(0, place - 0.5 * words_width(canvas, em, 0, text)),
+                   layout->photo_height + TICK * em + em, 0, em, 0, text);
 }
 
 /* Along the lower side, or down the right one: short ticks between two numbers are 10 px, 2 px ... apart. */
-static void draw_ticks(const struct overlay_layout *layout, cairo_t *cairo, int down)
+static void draw_ticks(const struct overlay_layout *layout, struct canvas *canvas, int down)
 {
     double end = (down ? layout->photo_height : layout->photo_width) / layout->zoom;
     int parts = round(layout->step / pow(10, count_digits(layout->step) - 1)) == 2 ? 4 : 5;
     for (int k = 0; k * layout->step / parts < end; k++) {
         double at = k * layout->step / parts;
-        draw_tick(layout, cairo, down, at, (k % parts ? 0.5 : 1) * TICK * layout->text);
+        draw_tick(layout, canvas, down, at, (k % parts ? 0.5 : 1) * TICK * layout->text);
         if (k % parts == 0)
-            draw_number(layout, cairo, down, at);
+            draw_number(layout, canvas, down, at);
     }
 }
 
-void overlay_layout_draw(const struct overlay_layout *layout, cairo_t *cairo)
+void overlay_layout_draw(const struct overlay_layout *layout, struct canvas *canvas)
 {
     double em = layout->text, top = layout->photo_height + (2 * TICK + LINE) * em;
-    cairo_set_source_rgb(cairo, 1, 1, 1);
-    cairo_rectangle(cairo, layout->photo_width, 0, layout->width, layout->height);
-    cairo_rectangle(cairo, 0, layout->photo_height, layout->photo_width, layout->height);
-    cairo_fill(cairo);
-    cairo_set_dash(cairo, NULL, 0, 0);
-    draw_ticks(layout, cairo, 0);
-    draw_ticks(layout, cairo, 1);
-    cairo_set_source_rgb(cairo, OVERLAY_INK);
-    for (int k = 0; k < OVERLAY_CAPTION_LINES && layout->caption[k][0]; k++) {
-        double room = layout->width - em, wide = overlay_text_width(cairo, em, layout->caption[k]);
-        if (wide > room)
-            cairo_set_font_size(cairo, em * room / wide);
-        cairo_move_to(cairo, 0.5 * em, top + (1 + LINE * k) * em);
-        cairo_show_text(cairo, layout->caption[k]);
-    }
+    const struct pen paper = {.colour = COLOUR_WHITE};
+    pen_rectangle(canvas, &paper, layout->photo_width, 0, layout->width, layout->height);
+    pen_rectangle(canvas, &paper, 0, layout->photo_height, layout->photo_width, layout->height);
+    draw_ticks(layout, canvas, 0);
+    draw_ticks(layout, canvas, 1);
+    for (int k = 0; k < OVERLAY_CAPTION_LINES && layout->caption[k][0]; k++)
+        words_within(canvas, 0.5 * em, top + (1 + LINE * k) * em, layout->width - em, em, 0, layout->caption[k]);
 }

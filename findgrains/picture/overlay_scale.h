@@ -3,8 +3,12 @@
 #ifndef FINDGRAINS_OVERLAY_SCALE_H
 #define FINDGRAINS_OVERLAY_SCALE_H
 
-#include <cairo.h>
 #include <stddef.h>
+
+#include "pipeline/draw/words.h"
+
+#define OVERLAY_SIDE 4000.0 /* px of the longer side of the drawn photo at most; larger ones shrink to 1/2, 1/3 ... */
+#define OVERLAY_ZOOM 4.0    /* smaller ones are magnified so many times at most */
 
 struct overlay_facts {
     size_t grains, flagged, numbered; /* numbered: circles with the number of their row inside */
@@ -30,9 +34,6 @@ void overlay_layout_caption(const struct overlay_facts *facts, struct overlay_la
 /* Size of the letters of a number inside a circle (radius in px of the photo); 0: it would be too small to be read. */
 double overlay_number_size(const struct overlay_layout *layout, double radius_px, size_t number);
 /* Paper, ticks and numbers around the photo, caption; the photo is left as it is, but for ticks along its border. */
-void overlay_layout_draw(const struct overlay_layout *layout, cairo_t *cairo);
-
-/* The width that a text takes in letters of that size, which are chosen. */
-double overlay_text_width(cairo_t *cairo, double size, const char *text);
+void overlay_layout_draw(const struct overlay_layout *layout, struct canvas *canvas);
 
 #endif

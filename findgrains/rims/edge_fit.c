@@ -1,7 +1,7 @@
 #include "findgrains/rims/edge_fit.h"
 
 #include "findgrains/rims/edge_profile.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 #include "findgrains/rims/polish.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/dense.h"
+#include "pipeline/numbers/quantiles.h"
 #include "findgrains/rims/rim_sample.h"
 
 #include <math.h>
@@ -67,22 +68,8 @@ static int find_places(const struct photo *photo, const struct rim *rim, double 
     return count;
 }
 
-/* Weighted least squares of r = dR + dx cos + dy sin; 0 when the places do not determine a circle. */
-static int solve3(double m[3][4])
-{
-    for (int i = 0; i < 3; i++) {
-        if (!(m[i][i] > 1e-6))
-            return 0;
-        for (int k = 0; k < 3; k++) {
-            double factor = m[k][i] / m[i][i];
-            for (int j = i; j < 4 && k != i; j++)
-                m[k][j] -= factor * m[i][j];
-        }
-    }
-    return 1;
-}
-
-/* Robust circle; *scatter: of the places about it, *share: of the rays that agree. */
+/* Weighted least squares of r = dR + dx cos + dy sin, robust; *scatter: of the places about it, *share: of the rays
+ * that agree. */
 static int fit_places(const struct place *places, int count, int rays, struct rim *rim, double *scatter, double *share)
 {
     double p[3] = {rim->radius, 0, 0}, off[RAYS];
@@ -101,10 +88,10 @@ static int fit_places(const struct place *places, int count, int rays, struct ri
                     m[i][j] += weight * row[i] * row[j];
         }
         *share = agree / rays;
-        if (!solve3(m))
+        if (dense_solve(&m[0][0], 3, 4, 1e-6)) /* the places do not determine a circle */
             return 0;
         for (int i = 0; i < 3; i++)
-            p[i] = m[i][3] / m[i][i];
+            p[i] = m[i][3];
     }
     rim->radius = p[0];
     rim->x += p[1];

@@ -1,6 +1,6 @@
 #include "findgrains/rims/refine_all.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

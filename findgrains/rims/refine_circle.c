@@ -3,13 +3,15 @@
  * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
 #include "findgrains/rims/refine_circle.h"
 
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/dense.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define LEAST_PIVOT 1e-9 /* of its diagonal element */
 enum { TERMS = 5, ROUNDS = 6, LAGS = 8 };
 #define MAD_TO_SD 1.4826
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
@@ -75,34 +77,6 @@ static double set_variances(struct fit *fit)
     return sqrt(noise2);
 }
 
-/* Invert a symmetric positive definite matrix of the first n rows; 0 when it is not. */
-static int invert(int n, double m[TERMS][TERMS], double inverse[TERMS][TERMS])
-{
-    double work[TERMS][2 * TERMS] = {{0}};
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++)
-            work[i][j] = m[i][j];
-        work[i][n + i] = 1;
-    }
-    for (int i = 0; i < n; i++) {
-        double pivot = work[i][i];
-        if (!(pivot > 1e-9 * m[i][i]))
-            return 0;
-        for (int j = 0; j < 2 * n; j++)
-            work[i][j] /= pivot;
-        for (int k = 0; k < n; k++) {
-            double factor = work[k][i];
-            if (k != i)
-                for (int j = i; j < 2 * n; j++)
-                    work[k][j] -= factor * work[i][j];
-        }
-    }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            inverse[i][j] = work[i][n + j];
-    return 1;
-}
-
 static double tukey_weight(double t, double tukey)
 {
     double q = t / tukey;
@@ -117,7 +91,7 @@ static double tukey_slope(double t, double tukey)
 
 static int weighted_step(struct fit *fit, int robust)
 {
-    double m[TERMS][TERMS] = {{0}}, right[TERMS] = {0}, inverse[TERMS][TERMS];
+    double m[TERMS][TERMS] = {{0}}, right[TERMS] = {0};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -131,12 +105,12 @@ static int weighted_step(struct fit *fit, int robust)
                 m[i][j] += weight * row[i] * row[j];
         }
     }
-    if (!invert(fit->terms, m, inverse))
+    if (dense_invert(&m[0][0], (size_t)fit->terms, TERMS, LEAST_PIVOT))
         return 0;
     for (int i = 0; i < fit->terms; i++) {
         fit->parameters[i] = 0;
         for (int j = 0; j < fit->terms; j++)
-            fit->parameters[i] += inverse[i][j] * right[j];
+            fit->parameters[i] += m[i][j] * right[j];
     }
     return 1;
 }
@@ -176,7 +150,7 @@ static double set_scatter(struct fit *fit, double formal2)
 /* D^-1 (sum b^2 psi^2 x x') D^-1 n / (n - p), D = sum b psi' x x'. */
 static int set_covariance(struct fit *fit)
 {
-    double slope[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}}, inverse[TERMS][TERMS];
+    double slope[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -190,7 +164,7 @@ static int set_covariance(struct fit *fit)
                 meat[i][j] += e * row[i] * row[j];
             }
     }
-    if (!invert(fit->terms, slope, inverse))
+    if (dense_invert(&slope[0][0], (size_t)fit->terms, TERMS, LEAST_PIVOT))
         return 0;
     double spare = (double)fit->used / (fit->used - fit->terms);
     for (int i = 0; i < fit->terms; i++)
@@ -198,7 +172,7 @@ static int set_covariance(struct fit *fit)
             double sum = 0;
             for (int k = 0; k < fit->terms; k++)
                 for (int l = 0; l < fit->terms; l++)
-                    sum += inverse[i][k] * meat[k][l] * inverse[l][j];
+                    sum += slope[i][k] * meat[k][l] * slope[l][j];
             fit->covariance[i][j] = spare * sum;
         }
     return 1;

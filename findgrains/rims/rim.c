@@ -1,5 +1,6 @@
 #include "findgrains/rims/rim.h"
 
+#include "pipeline/numbers/cell_grid.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>
@@ -44,56 +45,17 @@ static int better_first(const void *left, const void *right)
     return order ? order : three_way(a->rim.radius, b->rim.radius);
 }
 
-/* Kept candidates by square cells that are as wide as any two of them have to be apart: lists through `next`, whose
- * ends are NONE. */
-struct cells {
-    double x0, y0, side;
-    size_t columns, rows, *first, *next;
-};
-enum { MOST_CELLS = 1024 };
-#define NONE SIZE_MAX
-
-static size_t cell_of(double at, double from, double side, size_t count)
-{
-    double k = (at - from) / side;
-    return k > 0 ? (size_t)fmin(k, (double)(count - 1)) : 0;
-}
-
-static int cells_make(const struct candidates *list, double share, struct cells *cells)
-{
-    double x1 = -INFINITY, y1 = -INFINITY, radius = 0;
-    *cells = (struct cells){.x0 = INFINITY, .y0 = INFINITY};
-    for (size_t k = 0; k < list->count; k++) {
-        const struct rim *rim = &list->items[k].rim;
-        cells->x0 = fmin(cells->x0, rim->x);
-        cells->y0 = fmin(cells->y0, rim->y);
-        x1 = fmax(x1, rim->x);
-        y1 = fmax(y1, rim->y);
-        radius = fmax(radius, rim->radius);
-    }
-    cells->side = fmax(2 * share * radius, fmax(x1 - cells->x0, y1 - cells->y0) / MOST_CELLS) + 1e-9;
-    cells->columns = 1 + (size_t)fmin(MOST_CELLS, (x1 - cells->x0) / cells->side); /* also when it is no number */
-    cells->rows = 1 + (size_t)fmin(MOST_CELLS, (y1 - cells->y0) / cells->side);
-    cells->first = malloc((cells->columns * cells->rows + list->count) * sizeof *cells->first);
-    if (!cells->first)
-        return error_memory("cells of candidates");
-    cells->next = cells->first + cells->columns * cells->rows;
-    for (size_t k = 0; k < cells->columns * cells->rows; k++)
-        cells->first[k] = NONE;
-    return 0;
-}
-
-static int clear_of(const struct candidates *list, const struct cells *cells, size_t i, size_t j, const struct rim *rim,
+/* Is the rim clear of those that are kept, none of which is larger than `largest`? */
+static int clear_of(const struct candidates *list, const struct cell_grid *kept, const struct rim *rim, double largest,
                     double share)
 {
-    for (size_t v = j ? j - 1 : 0; v <= j + 1 && v < cells->rows; v++)
-        for (size_t u = i ? i - 1 : 0; u <= i + 1 && u < cells->columns; u++)
-            for (size_t k = cells->first[v * cells->columns + u]; k != NONE; k = cells->next[k]) {
-                const struct rim *other = &list->items[k].rim;
-                double reach = share * (rim->radius + other->radius), dx = rim->x - other->x, dy = rim->y - other->y;
-                if (dx * dx + dy * dy < reach * reach)
-                    return 0;
-            }
+    struct cell_search search = cell_grid_near(kept, rim->x, rim->y, share * (rim->radius + largest));
+    for (size_t k; (k = cell_grid_next(&search)) != CELL_GRID_END;) {
+        const struct rim *other = &list->items[k].rim;
+        double reach = share * (rim->radius + other->radius), dx = rim->x - other->x, dy = rim->y - other->y;
+        if (dx * dx + dy * dy < reach * reach)
+            return 0;
+    }
     return 1;
 }
 
@@ -109,26 +71,25 @@ double candidates_merit(const struct candidate *item)
 
 int candidates_thin(struct candidates *list, double share, double (*merit)(const struct candidate *))
 {
-    struct cells cells;
+    struct cell_grid cells;
+    double largest = 0;
     if (list->count == 0)
         return 0;
-    for (size_t k = 0; k < list->count; k++)
-        list->items[k].merit = merit(&list->items[k]);
-    qsort(list->items, list->count, sizeof *list->items, better_first);
-    if (cells_make(list, share, &cells))
-        return -1;
-    size_t kept = 0;
     for (size_t k = 0; k < list->count; k++) {
+        list->items[k].merit = merit(&list->items[k]);
+        largest = fmax(largest, list->items[k].rim.radius);
+    }
+    qsort(list->items, list->count, sizeof *list->items, better_first);
+    int status = cell_grid_open(&cells, list->count, 2 * share * largest + 1e-9);
+    size_t kept = 0;
+    for (size_t k = 0; k < list->count && status == 0; k++) {
         const struct rim *rim = &list->items[k].rim;
-        size_t i = cell_of(rim->x, cells.x0, cells.side, cells.columns);
-        size_t j = cell_of(rim->y, cells.y0, cells.side, cells.rows);
-        if (!clear_of(list, &cells, i, j, rim, share))
+        if (!clear_of(list, &cells, rim, largest, share))
             continue;
-        cells.next[kept] = cells.first[j * cells.columns + i];
-        cells.first[j * cells.columns + i] = kept;
+        cell_grid_add(&cells, kept, rim->x, rim->y);
         list->items[kept++] = list->items[k];
     }
-    list->count = kept;
-    free(cells.first);
-    return 0;
+    list->count = status ? list->count : kept;
+    cell_grid_free(&cells);
+    return status;
 }

@@ -1,7 +1,7 @@
 #include "findgrains/rims/rims_table.h"
 
 #include "findgrains/rims/measure.h"
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

@@ -6,8 +6,6 @@
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
-/* Overlaps are never better known than this share of <fn>: the contact law itself is not. */
-#define LEAST_SLACK 0.01
 /* A wide belief where overlaps speak: it only keeps forces that nothing else determines from growing. */
 #define PRIOR_MEAN 1
 #define PRIOR_NN 9
@@ -172,7 +170,7 @@ static void fill_share(const struct packing *packing, const struct known_errors 
     for (int k = 0; k < at; k++)
         variance += evidence->share[c][k] * evidence->share[c][k];
     double whole = stiffness * error_of(known, S_OVERLAP, row);
-    evidence->slack[c] = fmax(LEAST_SLACK * LEAST_SLACK, whole * whole - variance);
+    evidence->slack[c] = fmax(LEAST_FORCE_ERROR * LEAST_FORCE_ERROR, whole * whole - variance);
 }
 
 /* The force of each overlap, negative where there is a gap, along the law's tangent there; a law whose stiffness grows

@@ -1,5 +1,6 @@
 #include "forces/network/network.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,7 +17,7 @@ static void number_dofs(const struct packing *packing, struct network *network)
         next += moves ? 3 : 0;
     }
     for (size_t w = 0; w < network->walls; w++)
-        network->wall_dof[w] = network_frees(&packing->walls, w) ? (long)next++ : -1;
+        network->wall_dof[w] = wall_moves(&packing->walls, w) ? (long)next++ : -1;
     network->dofs = next;
 }
 
@@ -231,12 +232,8 @@ void network_motion(const struct network *network, const double *motion, double 
 
 double network_mean_force(const struct network *network, const double *f)
 {
-    double sum = 0;
-    size_t count = 0;
-    for (size_t c = 0; c < network->count; c++)
-        if (f[2 * c] > 0)
-            sum += f[2 * c], count++;
-    return count ? sum / (double)count : 1;
+    double mean = forces_mean(f, network->count, 2, NULL);
+    return isnan(mean) ? 1 : mean;
 }
 
 double network_judge(const struct network *network, const double *f, double *work)

@@ -4,39 +4,6 @@
 
 #include "forces/network/network_parts.h"
 
-static int load_given(double normal, double component)
-{
-    return isfinite(component) || fabs(normal) < 1e-6;
-}
-
-/* Load on a segment along its inward normal; NaN: not given, the wall is fixed. A component at right angles to the
- * normal may be missing. */
-static double wall_load(const struct walls *walls, size_t w)
-{
-    struct vec in = wall_inward(walls, w);
-    if (wall_is_disc(walls, w) || !load_given(in.x, walls->fx[w]) || !load_given(in.y, walls->fy[w]))
-        return NAN;
-    return (isfinite(walls->fx[w]) ? in.x * walls->fx[w] : 0) + (isfinite(walls->fy[w]) ? in.y * walls->fy[w] : 0);
-}
-
-static int wall_loaded(const struct walls *walls, const char *name)
-{
-    long w = walls_find(walls, name);
-    return w >= 0 && isfinite(wall_load(walls, (size_t)w));
-}
-
-/* Opposite walls that are both loaded could drift away together: left and bottom become reactions. */
-int network_frees(const struct walls *walls, size_t w)
-{
-    if (!isfinite(wall_load(walls, w)))
-        return 0;
-    if (!strncmp(walls->name[w], "left", NAME_LENGTH))
-        return !wall_loaded(walls, "right");
-    if (!strncmp(walls->name[w], "bottom", NAME_LENGTH))
-        return !wall_loaded(walls, "top");
-    return 1;
-}
-
 double network_load_misfit(const struct packing *packing, double misfit[2])
 {
     const struct walls *walls = &packing->walls;

@@ -4,8 +4,6 @@
 
 #include "forces/network/network.h"
 
-/* Does wall w move along its normal? Its load there is given, and it is no reaction to the wall opposite. */
-int network_frees(const struct walls *walls, size_t w);
 double network_radius(const struct grains *grains); /* m: the mean */
 /* N: the unit of force; sets the virial, still in N m. For the contacts and degrees of freedom of `network`. */
 double network_force(const struct packing *packing, const struct contact_law *law, struct network *network);

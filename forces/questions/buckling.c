@@ -38,21 +38,12 @@ struct stiffness {
 
 /* ---- which contacts carry ---- */
 
-static double mean_force(const struct contact_forces *forces)
-{
-    double sum = 0, pushing = 0;
-    for (size_t c = 0; c < forces->count; c++)
-        if (forces->fn[c] > 0)
-            sum += forces->fn[c], pushing++;
-    return pushing > 0 ? sum / pushing : 0;
-}
-
 /* The packing with the contacts that carry nothing marked as candidates, so that a network leaves them out and peels
  * what hung on them. Caller frees the flags. */
 static int carrying(const struct packing *packing, const struct contact_forces *forces, struct packing *out)
 {
     size_t count = packing->contacts.count;
-    double least = CARRIES * mean_force(forces);
+    double mean = forces_mean(forces->fn, count, 1, NULL), least = isnan(mean) ? 0 : CARRIES * mean;
     *out = *packing;
     out->contacts.flags = calloc(count + 1, sizeof *out->contacts.flags);
     if (!out->contacts.flags)

@@ -4,10 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/numbers/golden.h"
 #include "forces/network/network.h"
 #include "pipeline/speak/error.h"
 
 #define RANGE 1.6        /* kn is sought between given / RANGE and given * RANGE */
+#define PRECISE 6.8e-7   /* of that range, in log kn: 30 sections */
 #define LEAST_RANGE 1.03 /* of the loads: else kn is not sought */
 #define SCATTER 0.01 /* of a state's virial from overlaps: contacts that open and close, errors that do not repeat */
 
@@ -106,22 +108,24 @@ static double disagreement(const struct balance *balance, size_t count, double k
     return whole > 0 ? sqrt(sum / whole) : 0;
 }
 
-/* Golden section in log kn (Kiefer 1953). */
+struct balances {
+    const struct balance *balance;
+    size_t count;
+};
+
+/* golden_section() in log kn: the range is a ratio. */
+static double disagreement_at(double log_stiffness, void *user)
+{
+    const struct balances *balances = user;
+    double offset;
+    return disagreement(balances->balance, balances->count, exp(log_stiffness), &offset);
+}
+
 static double best_stiffness(const struct balance *balance, size_t count, double given)
 {
-    const double golden = 0.6180339887498949;
-    double low = log(given / RANGE), high = log(given * RANGE), offset;
-    double a = high - golden * (high - low), b = low + golden * (high - low);
-    double at_a = disagreement(balance, count, exp(a), &offset), at_b = disagreement(balance, count, exp(b), &offset);
-    for (int k = 0; k < 30; k++)
-        if (at_a < at_b) {
-            high = b, b = a, at_b = at_a;
-            at_a = disagreement(balance, count, exp(a = high - golden * (high - low)), &offset);
-        } else {
-            low = a, a = b, at_a = at_b;
-            at_b = disagreement(balance, count, exp(b = low + golden * (high - low)), &offset);
-        }
-    return exp(0.5 * (low + high));
+    struct balances balances = {balance, count};
+    double low = log(given / RANGE), high = log(given * RANGE);
+    return exp(golden_section(disagreement_at, &balances, low, high, PRECISE * (high - low)));
 }
 
 /* Largest over smallest virial; 1 with fewer than two known ones. */

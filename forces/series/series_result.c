@@ -36,7 +36,10 @@ static int store(const struct series *series, const struct series_state *state, 
     forces->kt = forces->kn * series->options->law.kt_over_kn;
     forces->mu = series->options->law.mu;
     memcpy(forces->misfit, state->network.misfit, sizeof forces->misfit);
-    stress_weber(packing, out->fn, out->ft, packing_area(packing), forces->stress);
+    double area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, out->fn, out->ft, area, forces->stress);
     return 0;
 }
 

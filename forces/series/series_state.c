@@ -5,9 +5,6 @@
 
 #include "pipeline/speak/error.h"
 
-/* Overlaps are never better known than this share of <fn>: the contact law itself is not. */
-#define LEAST_ERROR 0.01
-
 void series_state_free(struct series_state *state)
 {
     sparse_free(state->matrix);
@@ -186,7 +183,7 @@ int series_state_measure(struct series *series, size_t s, double offset, double 
         }
         if (at < state->width)
             state->place[c * (size_t)state->width + (size_t)at] = -1;
-        state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LEAST_ERROR * LEAST_ERROR;
+        state->variance[c][NORMAL] = state->slack[c][NORMAL] = variance + LEAST_FORCE_ERROR * LEAST_FORCE_ERROR;
         state->variance[c][TANGENTIAL] = state->slack[c][TANGENTIAL] = 1;
     }
     return 0;

@@ -1,3 +1,5 @@
+/* The chart is drawn from behind: grid and numbers, frame, names, then lines and bars in the order in which they were
+ * added, each with its markers, then the key. */
 #include "pipeline/draw/chart.h"
 
 #include <math.h>
@@ -5,21 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/draw/axis.h"
+#include "pipeline/draw/legend.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/draw/canvas.h"
 
-static const double COLOURS[][3] = {{COLOUR_BLUE},   {COLOUR_VERMILLION}, {COLOUR_GREEN},
-                                    {COLOUR_ORANGE}, {COLOUR_PURPLE},     {COLOUR_SKY}};
-enum { COLOUR_COUNT = 6, MARKERS = 4 };
+static const enum colour COLOURS[] = {COLOUR_BLUE,   COLOUR_VERMILLION, COLOUR_GREEN,
+                                      COLOUR_ORANGE, COLOUR_PURPLE,     COLOUR_SKY};
+enum { COLOUR_COUNT = 6, MARKERS = 4, FEW = 60 };
 
-/* Of an axis, over its largest value: what differs by less is alike but for rounding, and so small steps would not move
- * a number of that size. */
-static const double LEAST_SPAN = 1e-9;
+/* px: around the axes; from the picture's top to the first row of the key, and between its rows. */
+enum { LEFT = 78, RIGHT = 20, ABOVE = 42, BELOW = 48, KEY = 31, KEY_ROW = 16 };
 
-struct axis {
-    double from, to, step; /* in decades when logarithmic */
-    double begin, length;  /* px */
-    int fine, first;       /* logarithmic with ticks at 1, 2, 5: the number of the first one, fine_tick() */
+/* A chart as it lies on its canvas. */
+struct layout {
+    const struct chart *chart;
+    struct canvas *canvas;
+    struct axis x, y;
 };
 
 struct chart_line *chart_add(struct chart *chart, const char *name, size_t capacity)
@@ -29,12 +32,10 @@ struct chart_line *chart_add(struct chart *chart, const char *name, size_t capac
         return NULL;
     }
     struct chart_line *line = &chart->lines[chart->count];
-    line->style = chart->count++;
+    *line = (struct chart_line){.style = chart->count++};
     snprintf(line->name, sizeof line->name, "%s", name);
     line->x = malloc((capacity + 1) * sizeof *line->x);
     line->y = malloc((capacity + 1) * sizeof *line->y);
-    line->count = 0;
-    line->dashed = line->without_key = line->scattered = line->open = line->unjoined = 0;
     if (line->x && line->y)
         return line;
     (void)error_memory("a chart");
@@ -56,261 +57,228 @@ void chart_free(struct chart *chart)
     memset(chart, 0, sizeof *chart);
 }
 
-/* The height of a point on the axis; NaN when it cannot be drawn. */
-static double height_of(const struct chart *chart, const struct chart_line *line, size_t k)
+/* Can the point be drawn? Then (*x, *y) is its place on the axes. */
+static int point(const struct chart *chart, const struct chart_line *line, size_t k, double *x, double *y)
 {
-    double y = line->y[k];
-    if (!isfinite(line->x[k]) || !isfinite(y) || (chart->log_y && y <= 0))
-        return NAN;
-    return chart->log_y ? log10(y) : y;
+    *x = axis_value(chart->log_x, line->x[k]);
+    *y = axis_value(chart->log_y, line->y[k]);
+    return !isnan(*x) && !isnan(*y);
 }
 
 int chart_is_empty(const struct chart *chart)
 {
+    double x, y;
     for (size_t l = 0; l < chart->count; l++)
         for (size_t k = 0; k < chart->lines[l].count; k++)
-            if (!isnan(height_of(chart, &chart->lines[l], k)))
+            if (point(chart, &chart->lines[l], k, &x, &y))
                 return 0;
     return 1;
 }
 
-/* ---- axes ---- */
+/* ---- key ---- */
 
-/* The smallest of 1, 2, 5 times a power of ten that is not below the value. */
-static double round_up(double value)
+/* How the line of a chart is drawn, in the chart and in the key. */
+static struct pen pen_of(const struct chart_line *line)
 {
-    double below = canvas_round_number(value), first = below / pow(10, floor(log10(below) + 1e-9));
-    return below >= value * (1 - 1e-9) ? below : first > 1.5 && first < 3 ? 2.5 * below : 2 * below;
+    struct pen pen = {.width = line->open ? 0.8 : 1.6, .colour = line->open ? COLOUR_INK : chart_colour(line->style)};
+    if (line->dashed)
+        pen.dash[0] = 5, pen.dash[1] = 4;
+    return pen;
 }
 
-static struct axis make_axis(double from, double to, double begin, double length, double whole)
-{
-    if (!(to - from > LEAST_SPAN * fmax(fabs(from), fabs(to)))) {
-        double room = fmax(fabs(from) * 0.1, 1e-12);
-        from -= room;
-        to += room;
-    }
-    struct axis axis = {.begin = begin, .length = length};
-    axis.step = fmax(round_up((to - from) / 6), whole);
-    axis.from = axis.step * floor(from / axis.step + 1e-9);
-    axis.to = axis.step * ceil(to / axis.step - 1e-9);
-    return axis;
-}
-
-/* The logarithms of ..., 1, 2, 5, 10, 20, ...: 0 is that of 1. */
-static double fine_tick(int number)
-{
-    static const double digits[] = {1, 2, 5};
-    int decade = (int)floor(number / 3.0);
-    return decade + log10(digits[number - 3 * decade]);
-}
-
-/* Decades; below two of them 1, 2, 5 and so on, so that there is always more than one tick. */
-static struct axis make_log_axis(double from, double to, double begin, double length)
-{
-    if (to - from >= 2)
-        return make_axis(from, to, begin, length, 1);
-    struct axis axis = {.begin = begin, .length = length, .fine = 1};
-    axis.first = 3 * (int)floor(from);
-    while (fine_tick(axis.first + 1) <= from + 1e-9)
-        axis.first++;
-    int last = axis.first + 1;
-    while (fine_tick(last) < to - 1e-9)
-        last++;
-    axis.from = fine_tick(axis.first);
-    axis.to = fine_tick(last);
-    return axis;
-}
-
-/* Is there a tick of that number, from 0 on? Then *value is its place. */
-static int tick(const struct axis *axis, int number, double *value)
-{
-    double v = axis->fine ? fine_tick(axis->first + number) : axis->from + number * axis->step;
-    *value = !axis->fine && fabs(v) < 1e-9 * axis->step ? 0 : v;
-    return v <= axis->to + (axis->fine ? 1e-9 : 0.01 * axis->step);
-}
-
-static void measure(const struct chart *chart, double width, double height, struct axis *x, struct axis *y)
-{
-    double x0 = INFINITY, x1 = -INFINITY, y0 = chart->from_zero ? 0 : INFINITY, y1 = chart->from_zero ? 0 : -INFINITY;
-    for (size_t l = 0; l < chart->count; l++)
-        for (size_t k = 0; k < chart->lines[l].count; k++) {
-            double up = height_of(chart, &chart->lines[l], k);
-            if (isnan(up))
-                continue;
-            x0 = fmin(x0, chart->lines[l].x[k]);
-            x1 = fmax(x1, chart->lines[l].x[k]);
-            y0 = fmin(y0, up);
-            y1 = fmax(y1, up);
-        }
-    *x = make_axis(x0, x1, 78, width - 98, chart->whole_x ? 1 : 0);
-    if (chart->x_step > 0)
-        x->from = chart->x_from, x->to = chart->x_to, x->step = chart->x_step;
-    *y = chart->log_y ? make_log_axis(y0, y1, height - 48, -(height - 90))
-                      : make_axis(y0, y1, height - 48, -(height - 90), 0);
-}
-
-static double on(const struct axis *axis, double value)
-{
-    return axis->begin + axis->length * (value - axis->from) / (axis->to - axis->from);
-}
-
-static void number_text(double value, int log, char text[32])
-{
-    if (log)
-        snprintf(text, 32, "%g", pow(10, value));
-    else
-        snprintf(text, 32, "%.6g", fabs(value) < 1e-12 ? 0 : value);
-}
-
-static void draw_ticks(const struct chart *chart, cairo_t *cairo, const struct axis *x, const struct axis *y)
-{
-    char text[32];
-    cairo_set_line_width(cairo, 1);
-    double v;
-    for (int k = 0; tick(x, k, &v); k++) {
-        number_text(v, 0, text);
-        cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
-        cairo_move_to(cairo, on(x, v), y->begin);
-        cairo_line_to(cairo, on(x, v), y->begin + y->length);
-        cairo_stroke(cairo);
-        cairo_set_source_rgb(cairo, COLOUR_INK);
-        canvas_text(cairo, on(x, v), y->begin + 17, 0.5, 12, 0, text);
-    }
-    for (int k = 0; tick(y, k, &v); k++) {
-        number_text(v, chart->log_y, text);
-        cairo_set_source_rgb(cairo, 0.88, 0.88, 0.88);
-        cairo_move_to(cairo, x->begin, on(y, v));
-        cairo_line_to(cairo, x->begin + x->length, on(y, v));
-        cairo_stroke(cairo);
-        cairo_set_source_rgb(cairo, COLOUR_INK);
-        canvas_text(cairo, x->begin - 7, on(y, v) + 4, 1, 12, 0, text);
-    }
-    cairo_rectangle(cairo, x->begin, y->begin, x->length, y->length);
-    cairo_stroke(cairo);
-}
-
-static void draw_labels(const struct chart *chart, cairo_t *cairo, const struct axis *x, const struct axis *y)
-{
-    cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text(cairo, x->begin, 18, 0, 14, 1, chart->title);
-    canvas_text(cairo, x->begin + 0.5 * x->length, y->begin + 38, 0.5, 13, 0, chart->x_label);
-    cairo_save(cairo);
-    cairo_translate(cairo, 18, y->begin + 0.5 * y->length);
-    cairo_rotate(cairo, -M_PI / 2);
-    canvas_text(cairo, 0, 0, 0.5, 13, 0, chart->y_label);
-    cairo_restore(cairo);
-}
-
-/* ---- lines ---- */
-
-static void draw_marker(cairo_t *cairo, double x, double y, size_t kind)
-{
-    const double r = 3.5;
-    cairo_new_path(cairo);
-    if (kind % MARKERS == 0)
-        cairo_arc(cairo, x, y, r, 0, 2 * M_PI);
-    else if (kind % MARKERS == 1)
-        cairo_rectangle(cairo, x - r, y - r, 2 * r, 2 * r);
-    else {
-        double up = kind % MARKERS == 2 ? -1 : 1;
-        cairo_move_to(cairo, x, y + up * 1.2 * r);
-        cairo_line_to(cairo, x + 1.2 * r, y - up * r);
-        cairo_line_to(cairo, x - 1.2 * r, y - up * r);
-        cairo_close_path(cairo);
-    }
-    cairo_fill(cairo);
-}
-
-const double *chart_colour(size_t style)
+enum colour chart_colour(size_t style)
 {
     return COLOURS[style % COLOUR_COUNT];
 }
 
-static void set_style(cairo_t *cairo, const struct chart_line *line)
+/* A marker tells lines apart without their colours: disc, square, triangle up, triangle down. */
+static void mark(struct canvas *canvas, const struct chart_line *line, double x, double y)
 {
-    static const double dashes[] = {5, 4};
-    const double *colour = chart_colour(line->style);
+    const double r = 3.5, up = line->style % MARKERS == 2 ? -1 : 1;
+    const struct pen fill = {.colour = chart_colour(line->style)};
     if (line->open)
-        cairo_set_source_rgb(cairo, COLOUR_INK);
-    else
-        cairo_set_source_rgb(cairo, colour[0], colour[1], colour[2]);
-    cairo_set_dash(cairo, dashes, line->dashed ? 2 : 0, 0);
-    cairo_set_line_width(cairo, line->open ? 0.8 : 1.6);
-}
-
-/* In the style that is set. */
-static void mark(cairo_t *cairo, const struct chart_line *line, double x, double y)
-{
-    if (!line->open) {
-        draw_marker(cairo, x, y, line->style);
-        return;
-    }
-    cairo_new_path(cairo);
-    cairo_arc(cairo, x, y, 5, 0, 2 * M_PI);
-    cairo_set_line_width(cairo, 1.4);
-    cairo_stroke(cairo);
-}
-
-/* Has the point no neighbour to draw a line to? A long line would hide it: the one grey level at which a photo is
- * saturated, every level of an 8-bit photo whose contrast was stretched. */
-static int is_alone(const struct chart *chart, const struct chart_line *line, size_t k)
-{
-    int before = k > 0 && !isnan(height_of(chart, line, k - 1));
-    int after = k + 1 < line->count && !isnan(height_of(chart, line, k + 1));
-    return !before && !after;
-}
-
-static void draw_line(const struct chart *chart, cairo_t *cairo, size_t l, const struct axis *x, const struct axis *y)
-{
-    const struct chart_line *line = &chart->lines[l];
-    int pen_down = 0;
-    set_style(cairo, line);
-    cairo_new_path(cairo);
-    for (size_t k = 0; k < line->count; k++) {
-        double up = height_of(chart, line, k);
-        if (!isnan(up) && pen_down && !line->unjoined)
-            cairo_line_to(cairo, on(x, line->x[k]), on(y, up));
-        else if (!isnan(up))
-            cairo_move_to(cairo, on(x, line->x[k]), on(y, up));
-        pen_down = !isnan(up);
-    }
-    cairo_stroke(cairo);
-    cairo_set_dash(cairo, NULL, 0, 0);
-    int all = line->count <= 60 || line->scattered;
-    for (size_t k = 0; k < line->count; k++) {
-        double up = height_of(chart, line, k);
-        if (!isnan(up) && (all || is_alone(chart, line, k)))
-            mark(cairo, line, on(x, line->x[k]), on(y, up));
+        pen_circle(canvas, &(struct pen){COLOUR_INK, .width = 1.4}, x, y, 5);
+    else if (line->style % MARKERS == 0)
+        pen_circle(canvas, &fill, x, y, r);
+    else if (line->style % MARKERS == 1)
+        pen_rectangle(canvas, &fill, x - r, y - r, 2 * r, 2 * r);
+    else {
+        pen_begin(canvas);
+        pen_move(canvas, x, y + up * 1.2 * r);
+        pen_go(canvas, x + 1.2 * r, y - up * r);
+        pen_go(canvas, x - 1.2 * r, y - up * r);
+        pen_close(canvas);
+        pen_draw(canvas, &fill);
     }
 }
 
-static void draw_key(const struct chart *chart, cairo_t *cairo, double left)
+/* With its middle at y. */
+static void draw_key_entry(struct canvas *canvas, const struct chart_line *line, double left, double y)
 {
+    struct legend_entry entry = {.pen = pen_of(line), .length = line->unjoined ? 0 : 20};
+    if (line->bars > 0) {
+        entry.sample = LEGEND_PATCH;
+        entry.pen.width = 0;
+    }
+    legend_sample(canvas, &entry, left, y);
+    if (!line->unmarked && !(line->bars > 0))
+        mark(canvas, line, left + 10, y);
+    words_draw(canvas, left + 25, y + 4, 0, 12, 0, line->name);
+}
+
+/* In as many rows as the names need, the number of which is returned; nothing is drawn unless `drawn`. */
+static int key(const struct chart *chart, struct canvas *canvas, double width, int drawn)
+{
+    double left = LEFT;
+    int rows = 1;
     for (size_t l = 0; l < chart->count; l++) {
         if (chart->lines[l].without_key)
             continue;
-        set_style(cairo, &chart->lines[l]);
-        cairo_move_to(cairo, left, 31);
-        cairo_line_to(cairo, left + (chart->lines[l].unjoined ? 0 : 20), 31);
-        cairo_stroke(cairo);
-        cairo_set_dash(cairo, NULL, 0, 0);
-        mark(cairo, &chart->lines[l], left + 10, 31);
-        cairo_set_source_rgb(cairo, COLOUR_INK);
-        canvas_text(cairo, left + 25, 35, 0, 12, 0, chart->lines[l].name);
-        left += 37 + canvas_text_width(cairo, 12, 0, chart->lines[l].name);
+        double wide = 25 + words_width(canvas, 12, 0, chart->lines[l].name);
+        if (left > LEFT && left + wide > width) {
+            left = LEFT;
+            rows++;
+        }
+        if (drawn)
+            draw_key_entry(canvas, &chart->lines[l], left, KEY + KEY_ROW * (rows - 1));
+        left += 12 + wide;
     }
+    return rows;
 }
 
-void chart_draw(const struct chart *chart, cairo_t *cairo, double width, double height)
+/* ---- axes ---- */
+
+/* Both axes, long enough for every point that can be drawn and for whole bars. */
+static void measure(struct layout *layout, double width, double height, int key_rows)
 {
-    struct axis x, y;
-    if (chart_is_empty(chart))
-        return;
-    measure(chart, width, height, &x, &y);
-    draw_ticks(chart, cairo, &x, &y);
-    draw_labels(chart, cairo, &x, &y);
+    const struct chart *chart = layout->chart;
+    double x0 = INFINITY, x1 = -INFINITY, y0 = chart->from_zero ? 0 : INFINITY, y1 = chart->from_zero ? 0 : -INFINITY;
+    double above = ABOVE + KEY_ROW * (key_rows - 1), x, y;
     for (size_t l = 0; l < chart->count; l++)
-        draw_line(chart, cairo, l, &x, &y);
-    draw_key(chart, cairo, x.begin);
+        for (size_t k = 0; k < chart->lines[l].count; k++)
+            if (point(chart, &chart->lines[l], k, &x, &y)) {
+                x0 = fmin(x0, x - 0.5 * chart->lines[l].bars);
+                x1 = fmax(x1, x + 0.5 * chart->lines[l].bars);
+                y0 = fmin(y0, y);
+                y1 = fmax(y1, y);
+            }
+    if (x0 > x1)
+        x0 = y0 = 0, x1 = y1 = 1;
+    double across = width - LEFT - RIGHT, low = height - BELOW, up = -(height - BELOW - above);
+    layout->x = chart->log_x ? axis_log(x0, x1, LEFT, across) : axis_linear(x0, x1, LEFT, across, chart->whole_x);
+    layout->y = chart->log_y ? axis_log(y0, y1, low, up) : axis_linear(y0, y1, low, up, 0);
+    if (chart->x_step > 0)
+        layout->x.from = chart->x_from, layout->x.to = chart->x_to, layout->x.step = chart->x_step;
+}
+
+/* A grid line and a number at each tick. */
+static void draw_ticks(const struct layout *layout)
+{
+    static const struct pen grid = {COLOUR_GRID, .width = 1}, frame = {COLOUR_INK, .width = 1};
+    const struct axis *x = &layout->x, *y = &layout->y;
+    struct canvas *canvas = layout->canvas;
+    char text[32];
+    double v;
+    for (int k = 0; axis_tick(x, k, &v, text); k++) {
+        pen_segment(canvas, &grid, axis_place(x, v), y->begin, axis_place(x, v), y->begin + y->length);
+        words_draw(canvas, axis_place(x, v), y->begin + 17, 0.5, 12, 0, text);
+    }
+    for (int k = 0; axis_tick(y, k, &v, text); k++) {
+        pen_segment(canvas, &grid, x->begin, axis_place(y, v), x->begin + x->length, axis_place(y, v));
+        words_draw(canvas, x->begin - 7, axis_place(y, v) + 4, 1, 12, 0, text);
+    }
+    pen_rectangle(canvas, &frame, x->begin, y->begin, x->length, y->length);
+}
+
+/* Title, name of the x axis below it, name of the y axis upright on its left. */
+static void draw_labels(const struct layout *layout)
+{
+    const struct chart *chart = layout->chart;
+    const struct axis *x = &layout->x, *y = &layout->y;
+    words_within(layout->canvas, x->begin, 18, x->length + RIGHT, 14, 1, chart->title);
+    words_draw(layout->canvas, x->begin + 0.5 * x->length, y->begin + 38, 0.5, 13, 0, chart->x_label);
+    canvas_move(layout->canvas, 18, y->begin + 0.5 * y->length, -M_PI / 2);
+    words_draw(layout->canvas, 0, 0, 0.5, 13, 0, chart->y_label);
+    canvas_restore(layout->canvas);
+}
+
+/* ---- lines ---- */
+
+/* From the lower end of the upward axis to y, centred on x. */
+static void draw_bars(const struct layout *layout, const struct chart_line *line)
+{
+    const struct pen fill = {.colour = chart_colour(line->style)};
+    double width = fabs(layout->x.length) * line->bars / (layout->x.to - layout->x.from), x, y;
+    for (size_t k = 0; k < line->count; k++)
+        if (point(layout->chart, line, k, &x, &y)) {
+            double top = axis_place(&layout->y, y);
+            pen_rectangle(layout->canvas, &fill, axis_place(&layout->x, x) - 0.5 * width, top, width,
+                          layout->y.begin - top);
+        }
+}
+
+/* (A marker for each point of a long line would be a band.) Has the point no neighbour to draw a line to? A long line
+ * would hide it: the one grey level at which a photo is saturated, every level of an 8-bit photo whose contrast was
+ * stretched. */
+static int is_alone(const struct chart *chart, const struct chart_line *line, size_t k)
+{
+    double x, y;
+    return !(k > 0 && point(chart, line, k - 1, &x, &y)) && !(k + 1 < line->count && point(chart, line, k + 1, &x, &y));
+}
+
+/* The pen is lifted at points that cannot be drawn. Markers come last, over the line. */
+static void draw_line(const struct layout *layout, const struct chart_line *line)
+{
+    const struct pen pen = pen_of(line);
+    double x, y;
+    int joined = 0, all = line->count <= FEW || line->scattered;
+    pen_begin(layout->canvas);
+    for (size_t k = 0; k < line->count; k++) {
+        int drawn = point(layout->chart, line, k, &x, &y);
+        if (drawn)
+            (joined ? pen_go : pen_move)(layout->canvas, axis_place(&layout->x, x), axis_place(&layout->y, y));
+        joined = drawn && !line->unjoined;
+    }
+    pen_draw(layout->canvas, &pen);
+    for (size_t k = 0; k < line->count && !line->unmarked; k++)
+        if (point(layout->chart, line, k, &x, &y) && (all || is_alone(layout->chart, line, k)))
+            mark(layout->canvas, line, axis_place(&layout->x, x), axis_place(&layout->y, y));
+}
+
+/* With room for so many rows of the key. */
+static void draw(const struct chart *chart, struct canvas *canvas, double width, double height, int key_rows)
+{
+    struct layout layout = {.chart = chart, .canvas = canvas};
+    measure(&layout, width, height, key_rows);
+    draw_ticks(&layout);
+    draw_labels(&layout);
+    for (size_t l = 0; l < chart->count; l++)
+        if (chart->lines[l].bars > 0)
+            draw_bars(&layout, &chart->lines[l]);
+        else
+            draw_line(&layout, &chart->lines[l]);
+    key(chart, canvas, width, 1);
+}
+
+void chart_draw(const struct chart *chart, struct canvas *canvas, double width, double height)
+{
+    draw(chart, canvas, width, height, key(chart, canvas, width, 0));
+}
+
+int chart_write(const char *path, const struct chart *charts, size_t count, double width, double height)
+{
+    struct canvas canvas;
+    if (canvas_begin(&canvas, path, width * (double)count, height))
+        return -1;
+    int failed = canvas_keep_words(&canvas), rows = 1;
+    for (size_t k = 0; k < count; k++) {
+        int needed = key(&charts[k], &canvas, width, 0);
+        rows = needed > rows ? needed : rows;
+    }
+    for (size_t k = 0; k < count && !failed; k++) {
+        canvas_move(&canvas, width * (double)k, 0, 0);
+        draw(&charts[k], &canvas, width, height, rows);
+        canvas_restore(&canvas);
+    }
+    return canvas_end(&canvas, failed);
 }

@@ -8,7 +8,7 @@
 
 #include <cjson/cJSON.h>
 
-enum { JSON_MAX_DEPTH = 64 };
+#include "pipeline/files/json_scan.h"
 
 struct json; /* a parsed document: its name, its text (for positions) and its tree */
 

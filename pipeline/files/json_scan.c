@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/files/json.h"
 #include "pipeline/files/number.h"
 #include "pipeline/speak/text.h"
 

@@ -4,6 +4,8 @@
 
 #include <stddef.h>
 
+enum { JSON_MAX_DEPTH = 64 }; /* of groups and lists in each other */
+
 /* Where a value stands in the text: byte offsets. Outside an object, key == value. */
 struct json_place {
     size_t key, value;

@@ -15,6 +15,9 @@ enum contact_law_kind {
     LAW_POHRT_POPOV_PLASTIC /* rough on virgin loading, Hertz on unloading and reloading */
 };
 
+/* No law is better known than this: share of <fn> that is the least error of a force from an overlap. */
+#define LEAST_FORCE_ERROR 0.01
+
 struct contact_law {
     enum contact_law_kind kind;
     double kn;         /* N/m; NaN: not given, and always so for the other laws: their stiffness grows with the force */

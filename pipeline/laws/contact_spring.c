@@ -9,7 +9,6 @@ static int is_rough(const struct contact_law *law)
 
 struct contact_pair contact_pair_of(const struct contact_law *law, double reduced_radius)
 {
-    const double pi = 3.141592653589793;
     if (law->kind == LAW_LINEAR)
         return (struct contact_pair){.kn = law->kn};
     double radius = reduced_radius, modulus = 0.5 * law->young / (1 - law->poisson * law->poisson);
@@ -19,9 +18,9 @@ struct contact_pair contact_pair_of(const struct contact_law *law, double reduce
         return pair;
     double a = 0.2567 * law->fractal, h = law->roughness;
     pair.exponent = a;
-    pair.area = 0.75 * pow(pi, 1.5) * radius * h * pow(20 / (pow(pi, 1.5) * law->fractal), 1 / a);
-    pair.threshold = 4 * modulus / (3 * radius) * pow(pair.area / pi, 1.5);
-    pair.factor = pi / 10 * law->fractal * modulus * sqrt(pair.area) * pow(h * modulus * sqrt(pair.area), -a);
+    pair.area = 0.75 * pow(M_PI, 1.5) * radius * h * pow(20 / (pow(M_PI, 1.5) * law->fractal), 1 / a);
+    pair.threshold = 4 * modulus / (3 * radius) * pow(pair.area / M_PI, 1.5);
+    pair.factor = M_PI / 10 * law->fractal * modulus * sqrt(pair.area) * pow(h * modulus * sqrt(pair.area), -a);
     pair.threshold_overlap = pow(pair.threshold, 1 - a) / ((1 - a) * pair.factor);
     return pair;
 }

@@ -57,6 +57,22 @@ static inline struct vec vec_rotate(struct vec a, double angle)
     return vec(c * a.x - s * a.y, s * a.x + c * a.y);
 }
 
+/* tensor += a b' (the dyad: element (x, y) is a.x b.y). */
+static inline void tensor_add(double tensor[2][2], struct vec a, struct vec b)
+{
+    tensor[0][0] += a.x * b.x;
+    tensor[0][1] += a.x * b.y;
+    tensor[1][0] += a.y * b.x;
+    tensor[1][1] += a.y * b.y;
+}
+
+static inline void tensor_scale(double tensor[2][2], double factor)
+{
+    for (int a = 0; a < 2; a++)
+        for (int b = 0; b < 2; b++)
+            tensor[a][b] *= factor;
+}
+
 /* a / |a|; the zero vector stays zero. */
 static inline struct vec vec_unit(struct vec a)
 {

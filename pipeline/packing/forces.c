@@ -1,5 +1,6 @@
 #include "pipeline/packing/forces.h"
 
+#include <math.h>
 #include <string.h>
 
 #define DOUBLE(member, units, text) COLUMN(struct contact_forces, member, COLUMN_DOUBLE, units, text)
@@ -54,4 +55,18 @@ void forces_free(struct forces *forces)
     table_free(&RAYS, &forces->ray);
     table_free(&SOFTEST, &forces->softest);
     memset(forces, 0, sizeof *forces);
+}
+
+double forces_mean(const double *fn, size_t count, size_t apart, size_t *loaded)
+{
+    double sum = 0;
+    size_t carry = 0;
+    for (size_t c = 0; c < count; c++)
+        if (fn[c * apart] > 0) {
+            sum += fn[c * apart];
+            carry++;
+        }
+    if (loaded)
+        *loaded = carry;
+    return carry ? sum / (double)carry : NAN;
 }

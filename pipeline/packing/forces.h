@@ -70,6 +70,11 @@ struct forces {
     struct softest softest; /* of the second; empty unless asked */
 };
 
+/* <fn>: the mean normal force over the contacts that carry, those with fn > 0 (NaN and open contacts are left out);
+ * the unit of forces in every stage and picture. fn[c * apart] is that of contact c (apart 2: fn and ft in turn).
+ * *loaded, unless NULL: how many carry. NaN when none does. */
+double forces_mean(const double *fn, size_t count, size_t apart, size_t *loaded);
+
 void forces_free(struct forces *forces); /* accepts a zeroed struct */
 
 #endif

@@ -8,27 +8,25 @@
 #include "pipeline/state/state.h"
 #include "pipeline/packing/walls.h"
 
+/* How much of the forces equilibrium leaves open: packing_indeterminacy() of structure.h. */
+struct indeterminacy {
+    int known;
+    double h;          /* independent self-balanced sets of forces */
+    double mechanisms; /* k: independent motions that no contact resists */
+};
+
 struct packing {
     struct grains grains;
     struct walls walls;
     struct contacts contacts;
     struct forces *forces; /* one per method in the file */
     size_t force_count;
+    struct indeterminacy indeterminacy;
     double length_m; /* of the rods, for stresses in Pa; NaN: not known, stresses in N/m */
     struct state_info info;
 };
 
 void packing_free(struct packing *packing); /* accepts a zeroed struct */
-
-/* Read /grains, /walls, /contacts and every /forces/METHOD of an SI-side file. Checked here, once for all stages:
- * x y radius mass inertia flags of grains; 0 <= i < j < grains + walls, unit normals, finite geometry of contacts that
- * are not flagged. Errors name the file. A missing /walls or /forces is an empty table. */
-int packing_read(const char *path, struct packing *packing);
-
-/* Write the whole packing (tables, forces, the VTKHDF view) as one state file, atomically. The fabric stands in
- * attributes of /contacts: z, wall_contacts, rattlers, solid_fraction, void_ratio, fabric_tensor (xx xy yx yy),
- * directions and directions_approaching (36 bins of 5 degrees from the x axis, contacts; those with dun < 0). */
-int packing_write(const char *path, const struct packing *packing, const struct provenance *provenance);
 
 /* The forces of that method, or NULL. */
 const struct forces *packing_forces(const struct packing *packing, const char *method);

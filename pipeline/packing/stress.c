@@ -4,24 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/speak/error.h"
+
 static double volume(const struct packing *packing, double area)
 {
     return isnan(packing->length_m) ? area : area * packing->length_m;
-}
-
-static void tensor_add(double sigma[2][2], struct vec a, struct vec b)
-{
-    sigma[0][0] += a.x * b.x;
-    sigma[0][1] += a.x * b.y;
-    sigma[1][0] += a.y * b.x;
-    sigma[1][1] += a.y * b.y;
-}
-
-static void tensor_scale(double sigma[2][2], double factor)
-{
-    for (int a = 0; a < 2; a++)
-        for (int b = 0; b < 2; b++)
-            sigma[a][b] *= factor;
 }
 
 void stress_weber(const struct packing *packing, const double *fn, const double *ft, double area, double sigma[2][2])
@@ -176,13 +163,13 @@ static double hull_area(const struct vec *points, size_t count, struct vec *hull
 }
 
 /* Convex hull of the rims, each drawn as a polygon of equal area. */
-static double rims_area(const struct grains *grains)
+static int rims_area(const struct grains *grains, double *area)
 {
     const double step = 2 * M_PI / HULL_POINTS_PER_RIM, equal_area = sqrt(step / sin(step));
     size_t count = 0;
     struct vec *points = malloc(3 * (grains->count * HULL_POINTS_PER_RIM + 1) * sizeof *points);
     if (!points)
-        return NAN;
+        return error_memory("the rims of the grains");
     for (size_t k = 0; k < grains->count; k++)
         for (int p = 0; p < HULL_POINTS_PER_RIM; p++) {
             double r = equal_area * grains->radius[k];
@@ -190,19 +177,19 @@ static double rims_area(const struct grains *grains)
             if (isfinite(point.x) && isfinite(point.y))
                 points[count++] = point;
         }
-    double area = NAN;
+    *area = NAN;
     if (count) {
         qsort(points, count, sizeof *points, by_x_then_y);
-        area = hull_area(points, count, points + count);
+        *area = hull_area(points, count, points + count);
     }
     free(points);
-    return area;
+    return 0;
 }
 
-double packing_area(const struct packing *packing)
+int packing_area(const struct packing *packing, double *area)
 {
-    double area = walls_area(&packing->walls);
-    return isnan(area) ? rims_area(&packing->grains) : area;
+    *area = walls_area(&packing->walls);
+    return isnan(*area) ? rims_area(&packing->grains, area) : 0;
 }
 
 /* ---- overlaps and loads ---- */
@@ -218,35 +205,4 @@ double stress_overlaps_over_loads(const struct packing *packing, double kn)
     stress_applied(packing, 1, applied); /* times the volume but for the length of the rods */
     double loads = (applied[0][0] + applied[1][1]) * volume(packing, 1);
     return loads > 0 ? sum / loads : NAN;
-}
-
-/* ---- fabric ---- */
-
-void packing_fabric(const struct packing *packing, struct fabric *fabric)
-{
-    const struct contacts *contacts = &packing->contacts;
-    const struct grains *grains = &packing->grains;
-    double area = packing_area(packing), grain_area = 0;
-    memset(fabric, 0, sizeof *fabric);
-    for (size_t k = 0; k < grains->count; k++) {
-        double r = grains->radius[k];
-        if (isfinite(r))
-            grain_area += M_PI * r * r;
-        fabric->rattlers += (grains->flags[k] & GRAIN_RATTLER) != 0;
-    }
-    for (size_t c = 0; c < contacts->count; c++) {
-        size_t wall;
-        struct vec n = vec(contacts->nx[c], contacts->ny[c]);
-        if ((contacts->flags[c] & CONTACT_CANDIDATE) || isnan(n.x) || isnan(n.y))
-            continue;
-        fabric->contacts++;
-        fabric->wall_contacts += (size_t)packing_is_wall(packing, c, &wall);
-        tensor_add(fabric->tensor, n, n);
-    }
-    if (fabric->contacts)
-        tensor_scale(fabric->tensor, 1 / (double)fabric->contacts);
-    /* a contact between grains counts for both of them, a wall contact for one */
-    fabric->z = (double)(2 * fabric->contacts - fabric->wall_contacts) / (double)grains->count;
-    fabric->solid = grain_area / area;
-    fabric->void_ratio = 1 / fabric->solid - 1;
 }

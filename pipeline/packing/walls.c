@@ -56,3 +56,33 @@ double walls_area(const struct walls *walls)
         corner[k] = meeting_point(walls, (size_t)w[(k + 3) % 4], (size_t)w[k]);
     return 0.5 * vec_cross(vec_sub(corner[2], corner[0]), vec_sub(corner[3], corner[1]));
 }
+
+static int load_given(double normal, double component)
+{
+    return isfinite(component) || fabs(normal) < 1e-6;
+}
+
+double wall_load(const struct walls *walls, size_t w)
+{
+    struct vec in = wall_inward(walls, w);
+    if (wall_is_disc(walls, w) || !load_given(in.x, walls->fx[w]) || !load_given(in.y, walls->fy[w]))
+        return NAN;
+    return (isfinite(walls->fx[w]) ? in.x * walls->fx[w] : 0) + (isfinite(walls->fy[w]) ? in.y * walls->fy[w] : 0);
+}
+
+static int wall_loaded(const struct walls *walls, const char *name)
+{
+    long w = walls_find(walls, name);
+    return w >= 0 && isfinite(wall_load(walls, (size_t)w));
+}
+
+int wall_moves(const struct walls *walls, size_t w)
+{
+    if (!isfinite(wall_load(walls, w)))
+        return 0;
+    if (!strncmp(walls->name[w], "left", NAME_LENGTH))
+        return !wall_loaded(walls, "right");
+    if (!strncmp(walls->name[w], "bottom", NAME_LENGTH))
+        return !wall_loaded(walls, "top");
+    return 1;
+}

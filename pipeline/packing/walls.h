@@ -41,6 +41,13 @@ static inline struct vec wall_inward(const struct walls *walls, size_t w)
     return vec_turn(wall_direction(walls, w));
 }
 
+/* Load on a segment along its inward normal, N; NaN: not given, the wall is fixed, or a disc. A component at right
+ * angles to the normal may be missing. */
+double wall_load(const struct walls *walls, size_t w);
+/* Does wall w move along its normal? Its load there is given, and it is no reaction: of opposite walls that are both
+ * loaded, which could drift away together, left and bottom bear what is needed for the balance. */
+int wall_moves(const struct walls *walls, size_t w);
+
 /* Row of the wall of that name, or -1. */
 long walls_find(const struct walls *walls, const char *name);
 /* Area of the polygon between the lines of the four segments, m2; NaN without all four. */

@@ -1,90 +1,54 @@
 #include "pipeline/scene/scene.h"
 
 #include <math.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
-#include "pipeline/scene/scene_groups.h"
 
-/* Sections whose keys belong to their programs. */
-static const char *const sections[] = {"findgrains", "tracker", "contacts", "forces", "simulation", "optics", NULL};
+static int outside_allowed;
 
-static char *copy(const char *text)
+void scene_allow_outside(void)
 {
-    char *again = strdup(text);
-    if (!again)
-        error_set(EXIT_FAILED, "out of memory: scene: use a machine with more memory");
-    return again;
+    outside_allowed = 1;
 }
 
-static char *folder_of(const char *path)
+int scene_outside_allowed(void)
 {
-    char *folder = copy(path), *slash = folder ? strrchr(folder, '/') : NULL;
-    if (slash)
-        slash[slash == folder] = '\0';
-    else if (folder)
-        strcpy(folder, *folder ? "." : "");
-    return folder;
+    return outside_allowed;
 }
 
-/* Nothing is known until the file says so. */
-static void set_defaults(struct scene *scene)
+/* Where symbolic links lead: into the scene's folder, or out of it? What is not there leads nowhere. */
+static int leads_outside(const struct scene *scene, const char *path)
 {
-    memset(scene, 0, sizeof *scene);
-    scene->photos.interval_s = NAN;
-    scene->photos.block = 20;
-    scene->scale = NAN;
-    scene->grains = (struct scene_grains){NAN, NAN, NAN, NAN};
-    scene->contact = (struct contact_law){.kind = LAW_LINEAR, .kn = NAN, .kt_over_kn = 1, .mu = NAN};
+    char *target = realpath(path, NULL), *folder = target ? realpath(scene->folder, NULL) : NULL;
+    size_t length = folder ? strlen(folder) : 0;
+    int root = length == 1, outside = folder && !root && (strncmp(target, folder, length) || target[length] != '/');
+    free(target);
+    free(folder);
+    return outside;
 }
 
-static int check_root(const struct json *json)
+char *scene_join(const struct scene *scene, const char *relative)
 {
-    static const char *const keys[] = {
-        "schema", "name",   "photos",           "scale_m_per_px", "origin_px", "lens",     "drift_patches_px",
-        "frame",  "grains", "contact",          "loads",          "tracker",   "contacts", "findgrains",
-        "forces", "optics", "gravity_m_per_s2", "simulation",     NULL};
-    const cJSON *root = json_root(json), *section;
-    const char *schema = "";
-    if (!cJSON_IsObject(root))
-        return json_error(json, root, "a scene is one group: write { \"schema\": \"film.scene/1\", ... }");
-    int there = json_string(json, root, "schema", &schema);
-    if (there < 0)
-        return -1;
-    if (!there || strcmp(schema, "film.scene/1"))
-        return json_error(json, there ? cJSON_GetObjectItemCaseSensitive(root, "schema") : root,
-                          "this is not a scene that this program knows: write \"schema\": \"film.scene/1\"");
-    if (json_check_keys(json, root, keys))
-        return -1;
-    for (int k = 0; sections[k]; k++)
-        if (json_object(json, root, sections[k], &section) < 0)
-            return -1;
-    return 0;
-}
-
-static int read_all(struct scene *scene)
-{
-    if (check_root(scene->json) || scene_read_root(scene) || scene_read_photos(scene) || scene_read_frame(scene) ||
-        scene_read_grains(scene) || scene_read_drift_patches(scene))
-        return -1;
-    const cJSON *object;
-    scene->contact_given = json_object(scene->json, json_root(scene->json), "contact", &object);
-    if (scene->contact_given < 0)
-        return -1;
-    return scene->contact_given ? contact_law_read(scene->json, object, &scene->contact) : 0;
-}
-
-int scene_read(const char *path, struct scene *scene)
-{
-    set_defaults(scene);
-    if (!(scene->path = copy(path)) || !(scene->folder = folder_of(path)) || !(scene->json = json_read(path)) ||
-        read_all(scene)) {
-        scene_free(scene);
-        return -1;
+    char *path = NULL;
+    int folder = strcmp(scene->folder, ".") != 0 && *relative != '/', root = !strcmp(scene->folder, "/");
+    if (asprintf(&path, "%s%s%s", folder ? scene->folder : "", folder && !root ? "/" : "", relative) < 0) {
+        error_set(EXIT_FAILED, "out of memory: %s: use a machine with more memory", scene->path);
+        return NULL;
     }
-    return 0;
+    if (!outside_allowed && leads_outside(scene, path)) {
+        error_set(EXIT_INPUT,
+                  "%s: names %s, and a symbolic link there leads out of the scene's folder: copy the file, or give "
+                  "--allow-outside",
+                  scene->path, path);
+        free(path);
+        return NULL;
+    }
+    return path;
 }
 
 void scene_free(struct scene *scene)

@@ -67,6 +67,7 @@ struct scene {
  * refused (EXIT_INPUT), so that a scene from somebody else reads nothing of yours. After scene_allow_outside()
  * (--allow-outside) this process takes them. */
 void scene_allow_outside(void);
+int scene_outside_allowed(void);
 int scene_read(const char *path, struct scene *scene);
 void scene_free(struct scene *scene); /* accepts a zeroed struct */
 
@@ -85,5 +86,7 @@ struct photo_request scene_photo_request(const struct scene *scene);
 /* The one place where pixels become metres: x = scale (x_px - origin_x), y = -scale (y_px - origin_y). */
 struct vec scene_metres(const struct scene *scene, struct vec px);
 struct vec scene_pixels(const struct scene *scene, struct vec m);
+/* A path of the scene, joined to the scene's folder; to be freed; NULL with an error when out of memory. */
+char *scene_join(const struct scene *scene, const char *relative);
 
 #endif

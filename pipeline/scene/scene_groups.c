@@ -20,43 +20,6 @@ static const cJSON *item_of(const cJSON *object, const char *key)
 
 /* ---- paths ---- */
 
-static int outside_allowed;
-
-void scene_allow_outside(void)
-{
-    outside_allowed = 1;
-}
-
-/* Where symbolic links lead: into the scene's folder, or out of it? What is not there leads nowhere. */
-static int leads_outside(const struct scene *scene, const char *path)
-{
-    char *target = realpath(path, NULL), *folder = target ? realpath(scene->folder, NULL) : NULL;
-    size_t length = folder ? strlen(folder) : 0;
-    int root = length == 1, outside = folder && !root && (strncmp(target, folder, length) || target[length] != '/');
-    free(target);
-    free(folder);
-    return outside;
-}
-
-char *scene_join(const struct scene *scene, const char *relative)
-{
-    char *path = NULL;
-    int folder = strcmp(scene->folder, ".") != 0 && *relative != '/', root = !strcmp(scene->folder, "/");
-    if (asprintf(&path, "%s%s%s", folder ? scene->folder : "", folder && !root ? "/" : "", relative) < 0) {
-        error_set(EXIT_FAILED, "out of memory: %s: use a machine with more memory", scene->path);
-        return NULL;
-    }
-    if (!outside_allowed && leads_outside(scene, path)) {
-        error_set(EXIT_INPUT,
-                  "%s: names %s, and a symbolic link there leads out of the scene's folder: copy the file, or give "
-                  "--allow-outside",
-                  scene->path, path);
-        free(path);
-        return NULL;
-    }
-    return path;
-}
-
 static int check_inside(const struct json *json, const cJSON *item, const char *path)
 {
     if (*path == '/')
@@ -75,7 +38,7 @@ static int check_path(const struct json *json, const cJSON *item, const char *pa
 {
     if (*path == '\0')
         return json_error(json, item, "an empty path: name a file in the scene's folder, or leave the key out");
-    if (!outside_allowed && check_inside(json, item, path))
+    if (!scene_outside_allowed() && check_inside(json, item, path))
         return -1;
     for (const char *c = path; *c; c++)
         if ((unsigned char)*c < 0x20)

@@ -1,4 +1,5 @@
-/* The groups of a scene, each read into its part of the struct; used by scene.c only. */
+/* The groups of a scene, each read into its part of the struct; used by scene_read.c only: 0, or -1 with an error that
+ * says where. */
 #ifndef PIPELINE_SCENE_GROUPS_H
 #define PIPELINE_SCENE_GROUPS_H
 
@@ -9,8 +10,5 @@ int scene_read_photos(struct scene *scene);
 int scene_read_frame(struct scene *scene);
 int scene_read_grains(struct scene *scene);
 int scene_read_drift_patches(struct scene *scene);
-
-/* A path of the scene, joined to the scene's folder; to be freed; NULL with an error when out of memory. */
-char *scene_join(const struct scene *scene, const char *relative);
 
 #endif

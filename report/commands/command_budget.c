@@ -89,7 +89,8 @@ static int run(struct options *options)
     if (complete(options->cli.scene, &options->budget))
         return -1;
     budget_figures(&options->budget, &figures);
-    figures_print(&figures, stdout);
+    if (figures_print(&figures, stdout))
+        return -1;
     return options->json ? figures_write_json(&figures, options->json) : 0;
 }
 

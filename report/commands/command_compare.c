@@ -90,7 +90,7 @@ static int run(const struct options *options)
             text_print(stdout, k ? b.path : a.path);
         }
         putchar('\n');
-        figures_print(&figures, stdout);
+        result = figures_print(&figures, stdout);
     }
     loaded_free(&a);
     loaded_free(&b);

@@ -11,15 +11,14 @@
 
 struct options {
     struct cli cli;
-    struct film film;
+    struct movie film;
 };
 
 #define AT(field) .at = offsetof(struct options, field)
 static const struct option_row rows[] = {
     {"method", NULL, OPTION_TEXT, AT(film.method), "M",
      .help = "Which forces (default: one for all frames: series, else map, else the first of qsm, cdm, cem, dem, then "
-             "others "
-             "by name that converged in all states)"},
+             "others by name that converged in all states)"},
     {"width", NULL, OPTION_NUMBER, AT(film.width), "PX", .min = 200, .max = 20000, .help = "Width of the frames"},
     {0}};
 
@@ -34,7 +33,7 @@ static const char documentation[] =
 static int run(const struct options *options)
 {
     struct scene scene = {0};
-    struct film film = options->film;
+    struct movie film = options->film;
     int result = 0;
     if (options->cli.scene) {
         result = scene_read(options->cli.scene, &scene);
@@ -43,14 +42,14 @@ static int run(const struct options *options)
         film.scene = &scene;
     }
     if (result == 0)
-        result = film_write(&film, options->cli.inputs.paths, options->cli.inputs.count, options->cli.output);
+        result = movie_write(&film, options->cli.inputs.paths, options->cli.inputs.count, options->cli.output);
     scene_free(&scene);
     return result;
 }
 
 int command_film(int argc, char **argv)
 {
-    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .film = {.width = MAP_WIDTH}};
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .film = {.width = FORCE_MAP_WIDTH}};
     const struct program program = {
         "STATE.hdf...", documentation, rows, &options, NULL, 1, CLI_MANY, "give the state files of the series", NULL};
     cli_parse(&program, argc, argv);

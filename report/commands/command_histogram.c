@@ -73,7 +73,7 @@ static int draw(const struct histogram *histogram, double threshold, const char 
     if (result == 0)
         result = canvas_begin(&canvas, path, 640, 400);
     if (result == 0) {
-        chart_draw(&chart, canvas.cairo, 640, 400);
+        chart_draw(&chart, &canvas, 640, 400);
         result = canvas_commit(&canvas);
     }
     chart_free(&chart);

@@ -43,19 +43,6 @@ static const char documentation[] =
     "  report map 0003.tracks.hdf --photo photos/0003.tif -o tracks.png\n"
     "  report map 0003.forces.hdf --photo photos/0003.tif --scene scene.json -o 0003.svg";
 
-/* map_measure() sets the size of the picture, which the canvas needs first. */
-static int draw(struct map *map, const char *path)
-{
-    struct canvas canvas;
-    if (map_measure(map) || canvas_begin(&canvas, path, map->width, map->height))
-        return -1;
-    if (map_draw(map, canvas.cairo)) {
-        canvas_discard(&canvas);
-        return -1;
-    }
-    return canvas_commit(&canvas);
-}
-
 /* NULL: no photo, which stays empty. */
 static int read_photo(const char *path, struct photo *photo)
 {
@@ -67,23 +54,12 @@ static int read_photo(const char *path, struct photo *photo)
 static int run_photo_side(const struct options *options, const struct loaded *loaded, const char *title)
 {
     struct photo photo = {0};
-    struct canvas canvas;
     struct photo_map map = {.grains = &loaded->grains,
                             .photo = options->photo ? &photo : NULL,
                             .title = title,
                             .width = options->width,
                             .arrows = options->arrows};
-    int result = read_photo(options->photo, &photo) || photo_map_measure(&map) ||
-                         canvas_begin(&canvas, options->cli.output, map.width, map.height)
-                     ? -1
-                     : 0;
-    if (result == 0) {
-        result = photo_map_draw(&map, canvas.cairo);
-        if (result)
-            canvas_discard(&canvas);
-        else
-            result = canvas_commit(&canvas);
-    }
+    int result = read_photo(options->photo, &photo) || photo_map_write(&map, options->cli.output) ? -1 : 0;
     photo_free(&photo);
     return result;
 }
@@ -105,7 +81,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
 {
     struct scene scene = {0};
     struct photo photo = {0};
-    struct map map = {
+    struct force_map map = {
         .packing = &loaded->packing, .width = options->width, .mean_fn = options->mean_fn, .title = title};
     int result = method_choose(&loaded->packing, loaded->path, options->method, &map.forces);
     if (result == 0 && options->photo) {
@@ -114,7 +90,7 @@ static int run_si_side(const struct options *options, const struct loaded *loade
         result = read_scene(options, &scene) || read_photo(options->photo, &photo) ? -1 : 0;
     }
     if (result == 0)
-        result = draw(&map, options->cli.output);
+        result = force_map_write(&map, options->cli.output);
     scene_free(&scene);
     photo_free(&photo);
     return result;
@@ -135,7 +111,8 @@ static int run(const struct options *options)
 
 int command_map(int argc, char **argv)
 {
-    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .width = MAP_WIDTH, .mean_fn = NAN, .arrows = NAN};
+    struct options options = {
+        .cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .width = FORCE_MAP_WIDTH, .mean_fn = NAN, .arrows = NAN};
     const struct program program = {"STATE.hdf", documentation,         rows, &options, NULL, 1,
                                     1,           "give one state file", NULL};
     cli_parse(&program, argc, argv);

@@ -200,18 +200,6 @@ static int gather_samples(const struct packing *a, const struct packing *b, cons
     return 0;
 }
 
-/* Over the contacts that carry something. */
-static double mean_force(const double *fn, size_t count)
-{
-    double sum = 0;
-    size_t loaded = 0;
-    for (size_t k = 0; k < count; k++) {
-        sum += fn[k];
-        loaded += fn[k] > 0;
-    }
-    return sum / (double)loaded;
-}
-
 static void add_distance(const struct samples *s, double mean, struct figures *figures)
 {
     struct spread all = {0};
@@ -221,23 +209,26 @@ static void add_distance(const struct samples *s, double mean, struct figures *f
     figures_add(figures, "dist_over_fn", spread_mean(&all) / mean, "1", "dist / <fn> of B");
 }
 
-static void add_stress(const struct packing *packing, const struct forces *forces, const char *which,
-                       struct figures *figures)
+static int add_stress(const struct packing *packing, const struct forces *forces, const char *which,
+                      struct figures *figures)
 {
     static const char *const text[2][4] = {
         {"Weber stress of A, xx", "Weber stress of A, yy", "Weber stress of A, xy", "Weber stress of A, yx"},
         {"Weber stress of B, xx", "Weber stress of B, yy", "Weber stress of B, xy", "Weber stress of B, yx"}};
     static const int at[4][2] = {{0, 0}, {1, 1}, {0, 1}, {1, 0}};
     static const char axis[] = "xy";
-    double sigma[2][2];
+    double sigma[2][2], area;
     const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
-    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), sigma);
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, area, sigma);
     for (int k = 0; k < 4; k++) {
         char name[40];
         snprintf(name, sizeof name, "stress_%s_%c%c_%s", which, axis[at[k][0]], axis[at[k][1]],
                  isnan(packing->length_m) ? "N_per_m" : "Pa");
         figures_add(figures, name, sigma[at[k][0]][at[k][1]], units, text[*which == 'b'][k]);
     }
+    return 0;
 }
 
 /* Largest and typical unbalanced force on a grain of A, over <fn> of A. */
@@ -261,8 +252,8 @@ static int compare_forces(const struct packing *a, const struct packing *b, cons
     struct samples s;
     if (gather_samples(a, b, fa, fb, same, &s))
         return -1;
-    double mean_a = mean_force(fa->contact.fn, a->contacts.count);
-    double mean_b = mean_force(fb->contact.fn, b->contacts.count);
+    double mean_a = forces_mean(fa->contact.fn, a->contacts.count, 1, NULL);
+    double mean_b = forces_mean(fb->contact.fn, b->contacts.count, 1, NULL);
     figures_add(figures, "r_fn", pearson(s.fn[0], s.fn[1], s.common), "1",
                 "Pearson r of fn, common contacts (eq. 3.3)");
     figures_add(figures, "r_ft", pearson(s.ft[0], s.ft[1], s.common), "1", "Pearson r of ft, common contacts");
@@ -273,11 +264,10 @@ static int compare_forces(const struct packing *a, const struct packing *b, cons
     add_distance(&s, mean_b, figures);
     figures_add(figures, "mean_fn_a_N", mean_a, "N", "<fn> of A, over loaded contacts");
     figures_add(figures, "mean_fn_b_N", mean_b, "N", "<fn> of B, over loaded contacts");
-    add_stress(a, fa, "a", figures);
-    add_stress(b, fb, "b", figures);
+    int status = add_stress(a, fa, "a", figures) || add_stress(b, fb, "b", figures) ? -1 : 0;
     add_imbalance(a, fa, mean_a, figures);
     samples_free(&s);
-    return 0;
+    return status;
 }
 
 static const struct forces *pick_forces(const struct packing *packing, const char *method)
@@ -318,7 +308,7 @@ int compare_force_errors(const struct packing *a, const struct packing *b, const
     free(same);
     if (result)
         return -1;
-    double mean = mean_force(fb->contact.fn, b->contacts.count);
+    double mean = forces_mean(fb->contact.fn, b->contacts.count, 1, NULL);
     *errors = malloc((s.count + 1) * sizeof **errors);
     for (size_t k = 0; k < s.count && *errors; k++)
         (*errors)[k] = fabs(s.fn[0][k] - s.fn[1][k]) / mean;

@@ -10,8 +10,10 @@
 
 void figures_add(struct figures *figures, const char *name, double value, const char *units, const char *text)
 {
-    if (figures->count == sizeof figures->list / sizeof *figures->list)
+    if (figures->count == sizeof figures->list / sizeof *figures->list) {
+        figures->overflow = 1;
         return;
+    }
     struct figure *figure = &figures->list[figures->count++];
     snprintf(figure->name, sizeof figure->name, "%s", name);
     figure->value = value;
@@ -63,8 +65,15 @@ static void number_text(double value, char text[32])
         snprintf(text, 32, "%.*f", (int)fmax(0, 2 - floor(log10(size))), value);
 }
 
-void figures_print(const struct figures *figures, FILE *stream)
+static int check_room(const struct figures *figures)
 {
+    return figures->overflow ? error_failed("compare: more than %zu figures", figures->count) : 0;
+}
+
+int figures_print(const struct figures *figures, FILE *stream)
+{
+    if (check_room(figures))
+        return -1;
     for (size_t k = 0; k < figures->count; k++) {
         const struct figure *figure = &figures->list[k];
         struct unit unit = unit_of(figure->value, figure->units);
@@ -77,10 +86,13 @@ void figures_print(const struct figures *figures, FILE *stream)
         else
             fprintf(stream, "%-62s %12s %s\n", figure->text, text, unit.shown);
     }
+    return 0;
 }
 
 int figures_write_json(const struct figures *figures, const char *path)
 {
+    if (check_room(figures))
+        return -1;
     cJSON *object = cJSON_CreateObject();
     for (size_t k = 0; k < figures->count; k++) {
         const struct figure *figure = &figures->list[k];

@@ -1,3 +1,5 @@
+/* Text is escaped so that it can stand between tags and inside attributes in either quotes; control characters, which
+ * HTML forbids, are left out. A page is some MB: it is made in memory and written as one file. */
 #include "report/page/html.h"
 
 #include <math.h>
@@ -80,6 +82,7 @@ void html_number(struct html *html, double value, int digits)
         fputs("<td>–</td>", html->stream);
 }
 
+/* RFC 4648: three bytes are four digits of 6 bits; "=" fills the last four. */
 static void put_base64(FILE *stream, const unsigned char *bytes, size_t length)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

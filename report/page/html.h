@@ -20,11 +20,12 @@ void html_free(struct html *html); /* accepts a zeroed struct */
 void html_text(struct html *html, const char *text);
 /* printf, then escaped. */
 void html_format(struct html *html, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* <td> with text. */
+/* <td> with text, to the left. */
 void html_cell(struct html *html, const char *text);
 /* <td> with a number of that many significant digits; NaN: a dash. */
 void html_number(struct html *html, double value, int digits);
-/* An image inside the page: media "image/png" or "image/svg+xml". */
+/* An image inside the page, as a data: URL (RFC 2397), so that the page is one file that can be sent; the caption is
+ * escaped and serves as the text for people who cannot see it: media "image/png" or "image/svg+xml". */
 void html_picture(struct html *html, const char *media, const unsigned char *bytes, size_t length, const char *caption);
 
 #endif

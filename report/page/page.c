@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
 #include "report/pictures/page_picture.h"
 
@@ -32,16 +33,16 @@ static const char head[] =
     "h2{break-after:avoid}.charts{grid-template-columns:1fr 1fr}img{max-height:12cm}}\n"
     "</style>\n";
 
-static int draw_into(cairo_t *cairo, const void *map)
+static int draw_into(struct canvas *canvas, const void *map)
 {
-    return map_draw(map, cairo);
+    return force_map_draw(map, canvas);
 }
 
 static int draw_map(const struct packing *packing, const struct forces *forces, double mean_fn, const char *title,
                     struct html *html)
 {
-    struct map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = mean_fn};
-    if (map_measure(&map))
+    struct force_map map = {.packing = packing, .forces = forces, .title = title, .width = 1000, .mean_fn = mean_fn};
+    if (force_map_measure(&map))
         return -1;
     struct picture picture = {title, map.width, map.height, draw_into, &map};
     return picture_put(&picture, CANVAS_PNG, html);

@@ -7,6 +7,7 @@
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
 #include "report/pictures/rose.h"
+#include "pipeline/packing/packing_file.h"
 
 /* ---- persistence (thesis Fig. 4.28) ---- */
 
@@ -102,10 +103,10 @@ struct rose {
 
 static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
 
-static int draw_rose(cairo_t *cairo, const void *what)
+static int draw_rose(struct canvas *canvas, const void *what)
 {
     const struct rose *rose = what;
-    rose_draw(cairo, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
+    rose_draw(canvas, ROSE_WIDTH, ROSE_HEIGHT, rose->title, rose->share, rose->outlines, rose->count);
     return 0;
 }
 

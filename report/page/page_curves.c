@@ -53,9 +53,9 @@ static const struct series_row *row_with_most_methods(const struct series *serie
 
 static const double WIDTH = 640, HEIGHT = 400;
 
-static int draw_chart(cairo_t *cairo, const void *chart)
+static int draw_chart(struct canvas *canvas, const void *chart)
 {
-    chart_draw(chart, cairo, WIDTH, HEIGHT);
+    chart_draw(chart, canvas, WIDTH, HEIGHT);
     return 0;
 }
 

@@ -60,7 +60,7 @@ int page_put_quantiles(struct chart *chart, const char *name, const double *valu
     if (!values)
         return 0;
     struct chart_line *line = chart_add(chart, name, PLOT_POINTS);
-    double *sorted = line ? sorted_values(values, flags, rows, &count) : NULL;
+    double *sorted = line ? sorted_values(values, flags, GRAIN_DISTRUST, rows, &count) : NULL;
     if (!sorted)
         return -1;
     for (int k = 0; k < PLOT_POINTS && count; k++) {

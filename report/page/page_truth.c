@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/compare/compare.h"
 #include "report/page/page.h"
 

@@ -3,11 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/packing/limits.h"
 #include "pipeline/speak/error.h"
 #include "report/page/page.h"
-
-static const double FLAGGED_SHARE = 0.05, ZNCC_LOW = 0.9, STRESS_MISFIT = 0.10, IMBALANCE = 0.05, DATA_MISFIT = 1.5,
-                    OVERLAPS_OVER_LOADS = 1.4;
 
 struct warnings {
     struct html *html;
@@ -69,8 +67,8 @@ static void warn_photos(struct warnings *warnings, const struct series *series, 
         const struct photo_summary *photo = tracked ? &row->tracks : &row->grains;
         if (!photo->path)
             continue;
-        tally_add(&flagged, (double)photo->distrusted / (double)photo->grains, FLAGGED_SHARE, row->name);
-        tally_add(&zncc, 1 - photo->zncc.middle, 1 - ZNCC_LOW, row->name);
+        tally_add(&flagged, (double)photo->distrusted / (double)photo->grains, LIMIT_FLAGGED, row->name);
+        tally_add(&zncc, 1 - photo->zncc.middle, 1 - LIMIT_ZNCC, row->name);
     }
     const char *who = tracked ? "tracking" : "finding grains";
     warn_tally(warnings, &flagged, who, "photos more than 5 % of the grains are flagged as not to be trusted", 100,
@@ -90,13 +88,13 @@ static void warn_method(struct warnings *warnings, const struct series *series, 
                 continue;
             if (forces->iterations > 0) { /* else a method that seeks no equilibrium */
                 tally_add(&open, forces->converged ? 0 : forces->iterations, 0, series->rows[k].name);
-                tally_add(&imbalance, forces->imbalance, IMBALANCE, series->rows[k].name);
+                tally_add(&imbalance, forces->imbalance, LIMIT_IMBALANCE, series->rows[k].name);
             }
             tally_add(&impossible, forces->infeasible ? forces->imbalance : 0, 0, series->rows[k].name);
-            tally_add(&data, forces->data_misfit, DATA_MISFIT, series->rows[k].name);
+            tally_add(&data, forces->data_misfit, LIMIT_MISFIT, series->rows[k].name);
             for (int axis = 0; axis < 2; axis++)
                 tally_add(&misfit[axis], fabs(forces->weber[axis][axis] / packing->applied[axis][axis] - 1),
-                          STRESS_MISFIT, series->rows[k].name);
+                          LIMIT_STRESS, series->rows[k].name);
         }
     }
     warn_tally(warnings, &open, method, "states it did not converge", 1, " iterations");
@@ -152,8 +150,8 @@ static void warn_scale(struct warnings *warnings, const struct series *series)
         double ratio = NAN;
         for (size_t f = 0; f < packing->force_count && isnan(ratio); f++)
             ratio = packing->forces[f].overlaps_over_loads;
-        tally_add(&large, ratio, OVERLAPS_OVER_LOADS, series->rows[k].name);
-        tally_add(&small, ratio > 0 ? 1 / ratio : NAN, OVERLAPS_OVER_LOADS, series->rows[k].name);
+        tally_add(&large, ratio, LIMIT_OVERLAPS_OVER_LOADS, series->rows[k].name);
+        tally_add(&small, ratio > 0 ? 1 / ratio : NAN, LIMIT_OVERLAPS_OVER_LOADS, series->rows[k].name);
     }
     warn_tally(warnings, &large, "contacts",
                "states overlaps times k_n are more than 1.4 times the loads: scale, stiffness or loads are wrong, or "

@@ -1,3 +1,4 @@
+/* Levels of 16 bits are taken by their upper 8, those of 8 bits as they are: 256 bins either way. */
 #include "report/pictures/histogram.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* The grey levels of a photo (thesis Fig. 4.16). */
+/* The grey levels of a photo (thesis Fig. 4.16): two hills, voids and grains, between which a threshold has to lie; a
+ * level at the end of the scale that stands out says that the photo is saturated. */
 #ifndef REPORT_HISTOGRAM_H
 #define REPORT_HISTOGRAM_H
 

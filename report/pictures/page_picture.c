@@ -1,3 +1,4 @@
+/* A picture that is asked for as a file is drawn once more: its format may be another one than the page has inside. */
 #include "report/pictures/page_picture.h"
 
 #include <ctype.h>
@@ -5,21 +6,19 @@
 
 #include "pipeline/speak/error.h"
 
-static int draw(const struct picture *picture, struct canvas *canvas)
-{
-    if (!picture->draw(canvas->cairo, picture->what))
-        return 0;
-    canvas_discard(canvas);
-    return -1;
-}
-
+/* The bytes of the picture go into the page. */
 static int put_inside(const struct picture *picture, enum canvas_format format, struct html *html)
 {
     struct canvas canvas;
     unsigned char *bytes = NULL;
     size_t length = 0;
-    if (canvas_begin_memory(&canvas, format, picture->width, picture->height) || draw(picture, &canvas) ||
-        canvas_take(&canvas, &bytes, &length))
+    if (canvas_begin_memory(&canvas, format, picture->width, picture->height))
+        return -1;
+    if (picture->draw(&canvas, picture->what)) {
+        canvas_discard(&canvas);
+        return -1;
+    }
+    if (canvas_take(&canvas, &bytes, &length))
         return -1;
     html_picture(html, format == CANVAS_PNG ? "image/png" : "image/svg+xml", bytes, length, picture->title);
     free(bytes);
@@ -54,5 +53,5 @@ int picture_put(const struct picture *picture, enum canvas_format format, struct
     char *path = path_of(picture, html);
     int result = path ? canvas_begin(&canvas, path, picture->width, picture->height) : error_memory("a path");
     free(path);
-    return result || draw(picture, &canvas) ? -1 : canvas_commit(&canvas);
+    return result ? -1 : canvas_end(&canvas, picture->draw(&canvas, picture->what));
 }

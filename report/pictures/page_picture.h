@@ -5,10 +5,12 @@
 #include "pipeline/draw/canvas.h"
 #include "report/page/html.h"
 
+/* Drawn once for the page, and once more for a file: draw() must draw the same each time. Everything is borrowed. */
 struct picture {
     const char *title;
-    double width, height;
-    int (*draw)(cairo_t *cairo, const void *what);
+    double width, height; /* px */
+    /* Draws `what` into (0, 0, width, height) of the canvas; -1 with the error set. */
+    int (*draw)(struct canvas *canvas, const void *what);
     const void *what;
 };
 

@@ -1,3 +1,5 @@
+/* Everything lies in px of the photo, y downwards, and is drawn scale px of the picture per px, from (x0, y0) on. Where
+ * the lens has been undone (x_px), the photo still shows the rim where it was seen (x_seen_px): there it is drawn. */
 #include "report/pictures/photo_map.h"
 
 #include <math.h>
@@ -6,9 +8,11 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/draw/canvas.h"
-#include "report/pictures/draw_photo.h"
+#include "pipeline/draw/axis.h"
+#include "pipeline/draw/legend.h"
+#include "pipeline/draw/photo_background.h"
 
+/* Where the rim is seen, px of the photo. */
 static double place_x(const struct photo_grains *grains, size_t k)
 {
     return grains->x_seen_px && isfinite(grains->x_seen_px[k]) ? grains->x_seen_px[k] : grains->x_px[k];
@@ -19,6 +23,7 @@ static double place_y(const struct photo_grains *grains, size_t k)
     return grains->y_seen_px && isfinite(grains->y_seen_px[k]) ? grains->y_seen_px[k] : grains->y_px[k];
 }
 
+/* Known grains that were lost have no place. */
 static int is_placed(const struct photo_grains *grains, size_t k)
 {
     return isfinite(place_x(grains, k)) && isfinite(place_y(grains, k)) && isfinite(grains->radius_px[k]);
@@ -48,7 +53,7 @@ static double choose_arrows(const struct photo_grains *grains)
         radius += grains->radius_px[k];
         count++;
     }
-    return longest > 0 ? canvas_round_number(2 * radius / (double)count / longest) : 0;
+    return longest > 0 ? axis_round_down(2 * radius / (double)count / longest) : 0;
 }
 
 int photo_map_measure(struct photo_map *map)
@@ -76,7 +81,8 @@ int photo_map_measure(struct photo_map *map)
     return 0;
 }
 
-static void draw_rims(const struct photo_map *map, cairo_t *cairo)
+/* Rim and centre: sky blue, or purple and wider when they are not to be trusted. */
+static void draw_rims(const struct photo_map *map, struct canvas *canvas)
 {
     const struct photo_grains *grains = map->grains;
     double u = map->width / 1000;
@@ -84,53 +90,29 @@ static void draw_rims(const struct photo_map *map, cairo_t *cairo)
         int trusted = !(grains->flags[k] & GRAIN_DISTRUST);
         if (!is_placed(grains, k))
             continue;
+        const struct pen rim = {trusted ? COLOUR_SKY : COLOUR_PURPLE, .width = (trusted ? 1.5 : 3) * u};
         double x = map->scale * (place_x(grains, k) - map->x0), y = map->scale * (place_y(grains, k) - map->y0);
-        cairo_new_path(cairo);
-        cairo_arc(cairo, x, y, map->scale * grains->radius_px[k], 0, 2 * M_PI);
-        if (trusted)
-            cairo_set_source_rgb(cairo, COLOUR_SKY);
-        else
-            cairo_set_source_rgb(cairo, COLOUR_PURPLE);
-        cairo_set_line_width(cairo, (trusted ? 1.5 : 3) * u);
-        cairo_stroke(cairo);
-        cairo_arc(cairo, x, y, 1.8 * u, 0, 2 * M_PI);
-        cairo_fill(cairo);
+        pen_circle(canvas, &rim, x, y, map->scale * grains->radius_px[k]);
+        pen_circle(canvas, &(struct pen){.colour = rim.colour}, x, y, 1.8 * u);
     }
 }
 
-static void draw_arrow(cairo_t *cairo, double x0, double y0, double x1, double y1, double u)
-{
-    double length = hypot(x1 - x0, y1 - y0), head = fmin(7 * u, 0.5 * length);
-    if (length < 0.5 * u)
-        return;
-    double ux = (x1 - x0) / length, uy = (y1 - y0) / length;
-    cairo_new_path(cairo);
-    cairo_move_to(cairo, x0, y0);
-    cairo_line_to(cairo, x1 - 0.8 * head * ux, y1 - 0.8 * head * uy);
-    cairo_stroke(cairo);
-    cairo_move_to(cairo, x1, y1);
-    cairo_line_to(cairo, x1 - head * ux - 0.5 * head * uy, y1 - head * uy + 0.5 * head * ux);
-    cairo_line_to(cairo, x1 - head * ux + 0.5 * head * uy, y1 - head * uy - 0.5 * head * ux);
-    cairo_close_path(cairo);
-    cairo_fill(cairo);
-}
-
 /* From where the grain was, or rather from where it is seen, back along a stretched motion. */
-static void draw_arrows(const struct photo_map *map, cairo_t *cairo)
+static void draw_arrows(const struct photo_map *map, struct canvas *canvas)
 {
     double u = map->width / 1000, dx, dy;
-    cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
-    cairo_set_line_width(cairo, 2 * u);
+    const struct pen pen = {COLOUR_VERMILLION, .width = 2 * u};
     for (size_t k = 0; k < map->grains->count; k++) {
         if ((map->grains->flags[k] & GRAIN_DISTRUST) || !(motion(map->grains, k, &dx, &dy) > 0))
             continue;
         double x = map->scale * (place_x(map->grains, k) - map->x0),
                y = map->scale * (place_y(map->grains, k) - map->y0);
-        draw_arrow(cairo, x, y, x + map->arrows * map->scale * dx, y + map->arrows * map->scale * dy, u);
+        pen_arrow(canvas, &pen, x, y, x + map->arrows * map->scale * dx, y + map->arrows * map->scale * dy, u);
     }
 }
 
-static void draw_legend(const struct photo_map *map, cairo_t *cairo)
+/* Title, counts, the length of an arrow and of the scale bar, below the view. */
+static void draw_legend(const struct photo_map *map, struct canvas *canvas)
 {
     double u = map->width / 1000, y = map->view_height;
     size_t flagged = 0, lost = 0;
@@ -139,44 +121,42 @@ static void draw_legend(const struct photo_map *map, cairo_t *cairo)
         flagged += (map->grains->flags[k] & GRAIN_DISTRUST) != 0;
         lost += !is_placed(map->grains, k);
     }
-    cairo_set_source_rgb(cairo, 1, 1, 1);
-    cairo_rectangle(cairo, 0, y, map->width, map->height - y);
-    cairo_fill(cairo);
-    cairo_set_source_rgb(cairo, COLOUR_INK);
-    canvas_text_within(cairo, 25 * u, y + 32 * u, 575 * u, 19 * u, 1, map->title ? map->title : "");
+    pen_rectangle(canvas, &(struct pen){.colour = COLOUR_WHITE}, 0, y, map->width, map->height - y);
+    words_within(canvas, 25 * u, y + 32 * u, 575 * u, 19 * u, 1, map->title ? map->title : "");
     snprintf(text, sizeof text, "%zu grains; %zu flagged: do not trust (purple); %zu without a place",
              map->grains->count, flagged, lost);
-    canvas_text_within(cairo, 25 * u, y + 58 * u, 575 * u, 15 * u, 0, text);
+    words_within(canvas, 25 * u, y + 58 * u, 575 * u, 15 * u, 0, text);
     if (map->arrows > 0) {
-        double length = canvas_round_number(90 * u / (map->arrows * map->scale));
-        cairo_set_source_rgb(cairo, COLOUR_VERMILLION);
-        cairo_set_line_width(cairo, 2 * u);
-        draw_arrow(cairo, 620 * u, y + 26 * u, 620 * u + length * map->arrows * map->scale, y + 26 * u, u);
-        cairo_set_source_rgb(cairo, COLOUR_INK);
+        double length = axis_round_down(90 * u / (map->arrows * map->scale));
+        pen_arrow(canvas, &(struct pen){COLOUR_VERMILLION, .width = 2 * u}, 620 * u, y + 26 * u,
+                  620 * u + length * map->arrows * map->scale, y + 26 * u, u);
         snprintf(text, sizeof text, "motion of %g px (× %g)", length, map->arrows);
-        canvas_text(cairo, 620 * u, y + 54 * u, 0, 15 * u, 0, text);
+        words_draw(canvas, 620 * u, y + 54 * u, 0, 15 * u, 0, text);
     }
-    double bar = canvas_round_number(0.1 * map->width / map->scale);
-    cairo_set_source_rgb(cairo, COLOUR_INK);
-    cairo_set_line_width(cairo, 4 * u);
-    cairo_move_to(cairo, 975 * u - bar * map->scale, y + 26 * u);
-    cairo_line_to(cairo, 975 * u, y + 26 * u);
-    cairo_stroke(cairo);
+    double bar = axis_round_down(0.1 * map->width / map->scale);
     snprintf(text, sizeof text, "%g px", bar);
-    canvas_text(cairo, 975 * u - 0.5 * bar * map->scale, y + 54 * u, 0.5, 15 * u, 0, text);
+    legend_scale(canvas, 975 * u, y + 26 * u, bar * map->scale, 4 * u, 28 * u, 15 * u, text);
 }
 
-int photo_map_draw(const struct photo_map *map, cairo_t *cairo)
+int photo_map_draw(const struct photo_map *map, struct canvas *canvas)
 {
     if (map->photo) {
         struct photo_view view = {map->x0, map->y0, map->x0 + map->width / map->scale,
                                   map->y0 + map->view_height / map->scale};
-        if (draw_photo(cairo, map->photo, &view, map->width, map->view_height))
+        if (photo_background(canvas, map->photo, &view, map->width, map->view_height))
             return -1;
     }
-    draw_rims(map, cairo);
+    draw_rims(map, canvas);
     if (map->arrows > 0)
-        draw_arrows(map, cairo);
-    draw_legend(map, cairo);
+        draw_arrows(map, canvas);
+    draw_legend(map, canvas);
     return 0;
+}
+
+int photo_map_write(struct photo_map *map, const char *path)
+{
+    struct canvas canvas;
+    if (photo_map_measure(map) || canvas_begin(&canvas, path, map->width, map->height))
+        return -1;
+    return canvas_end(&canvas, photo_map_draw(map, &canvas));
 }

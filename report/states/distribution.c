@@ -6,15 +6,10 @@
 size_t force_distribution(const struct forces *forces, double density[DISTRIBUTION_BINS])
 {
     const double *fn = forces->contact.fn;
-    double sum = 0;
-    size_t loaded = 0, inside[DISTRIBUTION_BINS] = {0};
-    for (size_t c = 0; c < forces->contact.count; c++)
-        if (fn[c] > 0) {
-            sum += fn[c];
-            loaded++;
-        }
+    size_t loaded, inside[DISTRIBUTION_BINS] = {0};
+    double mean = forces_mean(fn, forces->contact.count, 1, &loaded);
     for (size_t c = 0; c < forces->contact.count; c++) {
-        double bin = fn[c] > 0 ? fn[c] / (sum / (double)loaded) / DISTRIBUTION_STEP : DISTRIBUTION_BINS;
+        double bin = fn[c] > 0 ? fn[c] / mean / DISTRIBUTION_STEP : DISTRIBUTION_BINS;
         if (bin < DISTRIBUTION_BINS)
             inside[(size_t)bin]++;
     }

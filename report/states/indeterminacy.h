@@ -4,10 +4,9 @@
 
 #include "pipeline/packing/packing.h"
 
-/* h: unknown forces less equations (docs/theory.md 1; mechanisms are not counted). Unknown: two per contact, one where
- * friction is absent; candidates and contacts of rattlers are left out. Equations: three per grain that is neither a
- * rattler nor fixed, one per direction in which a wall is loaded. Friction on the walls is absent when no wall contact
- * of these forces bears any; forces NULL: friction everywhere. */
-double indeterminacy(const struct packing *packing, const struct forces *forces);
+/* h as the file says it, else that of packing_indeterminacy(): then the friction is that of these forces, and on the
+ * walls there is none when no wall contact of them bears any; forces NULL: friction everywhere. 0, or -1 when out of
+ * memory. */
+int indeterminacy(const struct packing *packing, const struct forces *forces, double *h);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 
 void loaded_free(struct loaded *loaded)
 {

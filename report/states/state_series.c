@@ -51,10 +51,10 @@ static int summarise_photo(const struct loaded *loaded, struct photo_summary *ph
     photo->distrusted = count_flags(grains->flags, grains->count, photo->flags);
     if (!photo->path)
         return error_memory("a path");
-    return quantiles_of(grains->zncc, grains->flags, grains->count, &photo->zncc) ||
-                   quantiles_of(grains->s_x, grains->flags, grains->count, &photo->s_place) ||
-                   quantiles_of(grains->s_angle, grains->flags, grains->count, &photo->s_angle) ||
-                   quantiles_of(grains->s_radius, grains->flags, grains->count, &photo->s_size)
+    return quantiles_of(grains->zncc, grains->flags, GRAIN_DISTRUST, grains->count, &photo->zncc) ||
+                   quantiles_of(grains->s_x, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_place) ||
+                   quantiles_of(grains->s_angle, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_angle) ||
+                   quantiles_of(grains->s_radius, grains->flags, GRAIN_DISTRUST, grains->count, &photo->s_size)
                ? -1
                : 0;
 }
@@ -66,20 +66,16 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
     struct force_summary summary = {
         .iterations = forces->iterations, .converged = forces->converged, .infeasible = forces->infeasible};
     const struct contact_forces *contact = &forces->contact;
-    size_t loaded = 0, slipping = 0;
-    double sum = 0;
+    size_t loaded, slipping = 0;
     memcpy(summary.method, forces->method, NAME_LENGTH);
     memcpy(summary.start, forces->start, NAME_LENGTH);
     summary.imbalance = forces->imbalance;
     summary.data_misfit = forces->data_misfit;
     summary.overlaps_over_loads = stress_overlaps_over_loads(packing, forces->kn);
     for (size_t c = 0; c < contact->count; c++)
-        if (contact->fn[c] > 0) {
-            sum += contact->fn[c];
-            loaded++;
+        if (contact->fn[c] > 0)
             slipping += contact->status && contact->ft[c] != 0 && contact->status[c] == STATUS_SLIP;
-        }
-    summary.mean_fn = sum / (double)loaded;
+    summary.mean_fn = forces_mean(contact->fn, contact->count, 1, &loaded);
     summary.slipping = (double)slipping / (double)loaded;
     stress_weber(packing, contact->fn, contact->ft, area, summary.weber);
     return summary;
@@ -88,7 +84,9 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
 static int summarise_packing(const struct loaded *loaded, struct packing_summary *summary)
 {
     const struct packing *packing = &loaded->packing;
-    double area = packing_area(packing);
+    double area;
+    if (packing_area(packing, &area))
+        return -1;
     free(summary->path);
     memset(summary, 0, sizeof *summary);
     summary->path = strdup(loaded->path);
@@ -98,8 +96,9 @@ static int summarise_packing(const struct loaded *loaded, struct packing_summary
         summary->floating += (packing->grains.flags[k] & GRAIN_FLOATING) != 0;
     for (size_t c = 0; c < packing->contacts.count; c++)
         summary->candidates += (packing->contacts.flags[c] & CONTACT_CANDIDATE) != 0;
-    packing_fabric(packing, &summary->fabric);
-    summary->h = indeterminacy(packing, method_default(packing));
+    packing_fabric(packing, area, &summary->fabric);
+    if (indeterminacy(packing, method_default(packing), &summary->h))
+        return -1;
     stress_applied(packing, area, summary->applied);
     memcpy(summary->strain, packing->info.strain, sizeof summary->strain);
     summary->in_pascal = !isnan(packing->length_m);

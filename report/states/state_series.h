@@ -3,9 +3,10 @@
 #define REPORT_SERIES_H
 
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/structure.h"
 #include "report/states/loaded.h"
 #include "report/states/method_choice.h"
-#include "report/states/quantiles.h"
+#include "pipeline/numbers/quantiles.h"
 
 enum { SERIES_METHODS = 8 };
 

@@ -1,5 +1,6 @@
 #include "simulation/dem/dem.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,14 +77,13 @@ void dem_free(struct dem *dem)
 }
 
 /* Spring and dashpot without tension: the overlap is x = (v/w') exp(-z w t) sin(w' t), w' = w cos a, z = sin a; its
- * force k x + c x' vanishes at w' t = pi - 2 a, where the velocity is v exp(-(pi - 2 a) tan a). */
+ * force k x + c x' vanishes at w' t = M_PI - 2 a, where the velocity is v exp(-(M_PI - 2 a) tan a). */
 double dem_damping_ratio(double restitution)
 {
-    const double pi = 3.141592653589793;
-    double low = 0, high = 0.5 * pi;
+    double low = 0, high = 0.5 * M_PI;
     for (int k = 0; k < 200; k++) {
         double a = 0.5 * (low + high);
-        if (exp(-(pi - 2 * a) * tan(a)) > restitution)
+        if (exp(-(M_PI - 2 * a) * tan(a)) > restitution)
             low = a;
         else
             high = a;

@@ -3,62 +3,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/numbers/cell_grid.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/dem.h"
 
-struct cells {
-    double x0, y0, size;
-    int columns, rows;
-    int *head, *next; /* lists of grains per cell */
-};
-
-static void cells_free(struct cells *cells)
+/* The grains in cells as wide as the reach of the largest two; *largest: its radius. */
+static int cells_fill(const struct dem *dem, struct cell_grid *cells, double *largest)
 {
-    free(cells->head);
-    free(cells->next);
-}
-
-static int cell_index(double position, double origin, double size, int count)
-{
-    double k = floor((position - origin) / size);
-    return k < 0 ? 0 : k >= count ? count - 1 : (int)k;
-}
-
-static int cell_of(const struct cells *cells, const struct dem_grain *grain, int *column, int *row)
-{
-    *column = cell_index(grain->x, cells->x0, cells->size, cells->columns);
-    *row = cell_index(grain->y, cells->y0, cells->size, cells->rows);
-    return *row * cells->columns + *column;
-}
-
-static int cells_fill(const struct dem *dem, struct cells *cells)
-{
-    double x1 = -INFINITY, y1 = -INFINITY, largest = 0;
-    cells->x0 = cells->y0 = INFINITY;
+    *largest = 0;
     for (size_t k = 0; k < dem->count; k++) {
-        const struct dem_grain *g = &dem->grains[k];
-        if (!isfinite(g->x) || !isfinite(g->y))
+        if (!isfinite(dem->grains[k].x) || !isfinite(dem->grains[k].y))
             return error_failed("grain %zu left the plane: the time step is too long", k);
-        cells->x0 = fmin(cells->x0, g->x), cells->y0 = fmin(cells->y0, g->y);
-        x1 = fmax(x1, g->x), y1 = fmax(y1, g->y);
-        largest = fmax(largest, g->radius);
+        *largest = fmax(*largest, dem->grains[k].radius);
     }
-    /* Never more cells than a few per grain, however far a grain has strayed. */
-    double most = sqrt(4.0 * (double)dem->count) + 4;
-    cells->size = fmax(2 * largest + dem->skin, fmax(x1 - cells->x0, y1 - cells->y0) / most);
-    cells->columns = (int)((x1 - cells->x0) / cells->size) + 1;
-    cells->rows = (int)((y1 - cells->y0) / cells->size) + 1;
-    size_t cell_count = (size_t)cells->columns * (size_t)cells->rows;
-    cells->head = malloc(cell_count * sizeof *cells->head);
-    cells->next = malloc(dem->count * sizeof *cells->next);
-    if (!cells->head || !cells->next)
-        return error_memory("cells of grains");
-    memset(cells->head, -1, cell_count * sizeof *cells->head);
-    for (int k = (int)dem->count - 1; k >= 0; k--) {
-        int column, row, cell = cell_of(cells, &dem->grains[k], &column, &row);
-        cells->next[k] = cells->head[cell];
-        cells->head[cell] = k;
-    }
+    if (cell_grid_open(cells, dem->count, 2 * *largest + dem->skin))
+        return -1;
+    for (size_t k = 0; k < dem->count; k++)
+        cell_grid_add(cells, k, dem->grains[k].x, dem->grains[k].y);
     return 0;
 }
 
@@ -130,23 +91,17 @@ static int by_partner(const void *a, const void *b)
 }
 
 /* All j > i nearer than the skin. */
-static int pairs_of_grain(struct dem *dem, const struct cells *cells, int i)
+static int pairs_of_grain(struct dem *dem, const struct cell_grid *cells, double largest, int i)
 {
     const struct dem_grain *g = &dem->grains[i];
     size_t begin = dem->pair_count;
-    int column, row;
-    cell_of(cells, g, &column, &row);
-    for (int r = row - 1; r <= row + 1; r++)
-        for (int c = column - 1; c <= column + 1; c++) {
-            if (r < 0 || c < 0 || r >= cells->rows || c >= cells->columns)
-                continue;
-            for (int j = cells->head[r * cells->columns + c]; j >= 0; j = cells->next[j]) {
-                const struct dem_grain *h = &dem->grains[j];
-                double reach = g->radius + h->radius + dem->skin, dx = h->x - g->x, dy = h->y - g->y;
-                if (j > i && dx * dx + dy * dy < reach * reach && pair_add(dem, i, j))
-                    return -1;
-            }
-        }
+    struct cell_search search = cell_grid_near(cells, g->x, g->y, g->radius + largest + dem->skin);
+    for (size_t j; (j = cell_grid_next(&search)) != CELL_GRID_END;) {
+        const struct dem_grain *h = &dem->grains[j];
+        double reach = g->radius + h->radius + dem->skin, dx = h->x - g->x, dy = h->y - g->y;
+        if ((int)j > i && dx * dx + dy * dy < reach * reach && pair_add(dem, i, (int)j))
+            return -1;
+    }
     if (dem->pair_count > begin + 1)
         qsort(dem->pairs + begin, dem->pair_count - begin, sizeof *dem->pairs, by_partner);
     return 0;
@@ -217,11 +172,12 @@ static int search_needed(const struct dem *dem)
 
 static int search(struct dem *dem)
 {
-    struct cells cells = {0};
+    struct cell_grid cells = {0};
     struct dem_pair *old = NULL;
+    double largest;
     size_t old_count = dem->pair_count, old_walls = dem->first[dem->count];
     int status = -1;
-    if (cells_fill(dem, &cells))
+    if (cells_fill(dem, &cells, &largest))
         goto done;
     old = malloc((old_count + 1) * sizeof *old);
     if (!old) {
@@ -233,7 +189,7 @@ static int search(struct dem *dem)
     dem->pair_count = 0;
     for (size_t i = 0; i < dem->count; i++) {
         dem->first[i] = dem->pair_count;
-        if (pairs_of_grain(dem, &cells, (int)i))
+        if (pairs_of_grain(dem, &cells, largest, (int)i))
             goto done;
     }
     dem->first[dem->count] = dem->pair_count;
@@ -248,7 +204,7 @@ static int search(struct dem *dem)
     status = 0;
 done:
     free(old);
-    cells_free(&cells);
+    cell_grid_free(&cells);
     return status;
 }
 

@@ -64,10 +64,9 @@ static int loading_prepare(struct loading *loading)
 
 static double solid_fraction(const struct dem *dem)
 {
-    const double pi = 3.141592653589793;
     double area = 0;
     for (size_t k = 0; k < dem->count; k++)
-        area += pi * dem->grains[k].radius * dem->grains[k].radius;
+        area += M_PI * dem->grains[k].radius * dem->grains[k].radius;
     return area / (dem->box.size[BOX_WIDTH] * dem->box.size[BOX_HEIGHT]);
 }
 

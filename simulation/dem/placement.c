@@ -14,10 +14,9 @@ static uint64_t key_of(const struct simulation *simulation, uint64_t purpose)
 
 static void grain_give(struct dem_grain *grain, double radius, const struct simulation *simulation)
 {
-    const double pi = 3.141592653589793;
     grain->radius = radius;
     double length = isnan(simulation->length) ? 1 : simulation->length;
-    grain->mass = simulation->density * length * pi * radius * radius;
+    grain->mass = simulation->density * length * M_PI * radius * radius;
     grain->inertia = 0.5 * grain->mass * radius * radius;
 }
 
@@ -88,7 +87,7 @@ static int check_corners(const struct simulation *simulation, const struct dem *
     const struct dem_box *box = &dem->box;
     double radius = simulation->corner_radius, area = 0;
     for (size_t k = 0; k < dem->count; k++)
-        area += dem->grains[k].radius * dem->grains[k].radius * 3.141592653589793;
+        area += dem->grains[k].radius * dem->grains[k].radius * M_PI;
     if (!box->given)
         return error_input("simulation: corner_radius_m needs a box: give box_m");
     double width = box->size[BOX_WIDTH], height = box->size[BOX_HEIGHT];

@@ -41,8 +41,7 @@ static int save_state(struct run *run, int relaxed)
     if (!status) {
         packing.forces->iterations = (int)fmin((double)run->loading.steps, 2e9);
         packing.forces->converged = relaxed;
-        summary_fill(dem, &run->loading.servo, &packing, &state);
-        status = run->save(&packing, &state, run->user);
+        status = summary_fill(dem, &packing, &state) || run->save(&packing, &state, run->user) ? -1 : 0;
     }
     packing_free(&packing);
     snapshot_free(&run->previous);

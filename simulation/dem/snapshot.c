@@ -341,7 +341,10 @@ static int write_forces(const struct dem *dem, struct packing *packing)
         forces->imbalance = fmax(forces->imbalance, fmax(fmax(x, y), m));
     }
     forces->imbalance = mean > 0 ? forces->imbalance / mean : 0;
-    stress_weber(packing, forces->contact.fn, forces->contact.ft, packing_area(packing), forces->stress);
+    double area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_weber(packing, forces->contact.fn, forces->contact.ft, area, forces->stress);
     return 0;
 }
 

@@ -5,8 +5,8 @@
 #include "simulation/dem/dem_motion.h"
 #include "simulation/dem/simulate.h"
 
-/* Stresses, fabric, indeterminacy, sliding, energies of the packing that was made of the dem. */
-void summary_fill(const struct dem *dem, const struct servo *servo, const struct packing *packing,
-                  struct simulation_state *state);
+/* Stresses, fabric, indeterminacy (also into the packing), sliding, energies of the packing that was made of the dem.
+ * 0, or -1 when out of memory. */
+int summary_fill(const struct dem *dem, struct packing *packing, struct simulation_state *state);
 
 #endif

@@ -56,11 +56,10 @@ static void body_bounds(const struct tile *tile, struct window w, struct pose po
 static void throw_dots(const struct tile *tile, struct window window, const struct paint *paint, struct pose pose,
                        uint64_t key)
 {
-    const double pi = 3.14159265358979323846;
     double a = paint->radius_min, b = paint->radius_max, mean_square = (a * a + a * b + b * b) / 3;
     if (paint->coverage <= 0)
         return;
-    double per_area = -log(1 - paint->coverage) / (pi * mean_square), pitch = sqrt(DOTS_PER_NODE / per_area);
+    double per_area = -log(1 - paint->coverage) / (M_PI * mean_square), pitch = sqrt(DOTS_PER_NODE / per_area);
     double low[2], high[2], reach = b + (tile->bend + 3) * tile->cell;
     body_bounds(tile, window, pose, low, high);
     long first_u = (long)floor((low[0] - reach) / pitch), last_u = (long)floor((high[0] + reach) / pitch);

@@ -21,6 +21,7 @@
 #include "network_score.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
+#include "pipeline/packing/packing_file.h"
 #include "simulation/dem/simulate.h"
 
 #define SCATTER 0.25 /* of the stated errors, in their logarithm */

@@ -15,7 +15,7 @@
 #include <tiffio.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 #include "pipeline/scene/photo.h"
 #include "pipeline/numbers/random.h"
 

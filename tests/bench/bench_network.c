@@ -16,6 +16,7 @@
 #include "contacts/find_contacts.h"
 #include "network_score.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { INJECTED = 5 };
 static const double injected_px[INJECTED] = {0, -0.3, -0.1, 0.1, 0.3};

@@ -7,6 +7,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
+#include "pipeline/packing/packing_file.h"
 #include "simulation/dem/simulate.h"
 
 int packing_copy(const struct packing *from, struct packing *to)

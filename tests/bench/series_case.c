@@ -7,6 +7,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
+#include "pipeline/packing/packing_file.h"
 
 #define OVERLAP_PX 0.11 /* of <fn> */
 

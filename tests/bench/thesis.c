@@ -22,51 +22,40 @@ void thesis_line(struct thesis *thesis, const char *format, ...)
 
 /* ---- pictures ---- */
 
-static int begin(const struct thesis *thesis, struct canvas *canvas, double width, double height)
+static void name_picture(const struct thesis *thesis, char path[1000])
 {
-    char path[1000];
-    snprintf(path, sizeof path, "%s/figure-%s.png", thesis->folder, thesis->figure);
-    return canvas_begin(canvas, path, width, height);
+    snprintf(path, 1000, "%s/figure-%s.png", thesis->folder, thesis->figure);
 }
 
 int thesis_picture(const struct thesis *thesis, struct chart *charts, size_t count)
 {
-    enum { WIDTH = 560, HEIGHT = 380 };
-    struct canvas canvas = {0};
-    int status = begin(thesis, &canvas, WIDTH * (double)count, HEIGHT);
-    for (size_t k = 0; k < count; k++) {
-        if (!status) {
-            cairo_save(canvas.cairo);
-            cairo_translate(canvas.cairo, WIDTH * (double)k, 0);
-            chart_draw(&charts[k], canvas.cairo, WIDTH, HEIGHT);
-            cairo_restore(canvas.cairo);
-        }
+    char path[1000];
+    name_picture(thesis, path);
+    int status = chart_write(path, charts, count, 560, 380);
+    for (size_t k = 0; k < count; k++)
         chart_free(&charts[k]);
-    }
-    return status ? -1 : canvas_commit(&canvas);
+    return status;
 }
 
 int thesis_maps(const struct thesis *thesis, const struct packing *const *packings, const struct forces *const *forces,
                 const char *const *titles, size_t count)
 {
     enum { WIDTH = 620 };
+    char path[1000];
     struct canvas canvas = {0};
-    struct map first = {.packing = packings[0], .forces = forces[0], .mean_fn = NAN, .width = WIDTH};
-    if (map_measure(&first) || begin(thesis, &canvas, WIDTH * (double)count, first.height))
+    struct force_map first = {.packing = packings[0], .forces = forces[0], .mean_fn = NAN, .width = WIDTH};
+    name_picture(thesis, path);
+    if (force_map_measure(&first) || canvas_begin(&canvas, path, WIDTH * (double)count, first.height))
         return -1;
-    for (size_t k = 0; k < count; k++) {
-        struct map map = {
+    int failed = 0;
+    for (size_t k = 0; k < count && !failed; k++) {
+        struct force_map map = {
             .packing = packings[k], .forces = forces[k], .title = titles[k], .mean_fn = NAN, .width = WIDTH};
-        cairo_save(canvas.cairo);
-        cairo_translate(canvas.cairo, WIDTH * (double)k, 0);
-        int failed = map_measure(&map) || map_draw(&map, canvas.cairo);
-        cairo_restore(canvas.cairo);
-        if (failed) {
-            canvas_discard(&canvas);
-            return -1;
-        }
+        canvas_move(&canvas, WIDTH * (double)k, 0, 0);
+        failed = force_map_measure(&map) || force_map_draw(&map, &canvas);
+        canvas_restore(&canvas);
     }
-    return canvas_commit(&canvas);
+    return canvas_end(&canvas, failed);
 }
 
 struct chart_line *thesis_scatter(struct chart *chart, const char *name, size_t capacity)

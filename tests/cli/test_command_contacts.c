@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 #include "tests/pressed_rods.h"
 
 /* ---- stiffness ---- */
@@ -69,20 +69,21 @@ static void check_law(const cJSON *object)
     }
 }
 
-/* The dots of each phase stand where force and deflection put them: one straight map for all. */
+/* The markers of each phase stand where force and deflection put them: one straight map for all. */
 static void check_dots(const cJSON *object)
 {
-    char *svg = check_svg("rods.svg"), *at = svg;
+    static const char *const colours[] = {"rgb(0%,44.7", "rgb(83.5%,36.9", "rgb(0%,62%"};
+    static const double begins[][2] = {{3.5, 0}, {-3.5, -3.5}, {0, -4.2}}; /* of a disc, a square, a triangle */
+    char *svg = check_svg("rods.svg");
     double scale[2] = {0}, origin[2] = {0};
     for (int p = 0; p < 3; p++) {
+        struct svg_point dots[ROD_PHOTOS + 1];
         int first = (int)json_at(object, "phases.%d.first_index", p);
         int last = (int)json_at(object, "phases.%d.last_index", p);
+        assert_int_equal(svg_fills(svg, colours[p], dots, ROD_PHOTOS + 1), last - first + 1 + 1); /* with the key */
         for (int k = first; k <= last; k++) {
-            double place[2], value[2] = {1e6 * pressed_deflection(k), pressed_force(k)};
-            at = strstr(at, "<circle cx=\"");
-            assert_non_null(at);
-            assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\"", &place[0], &place[1]), 2);
-            at++;
+            double place[2] = {dots[k - first].x - begins[p][0], dots[k - first].y - begins[p][1]};
+            double value[2] = {1e6 * pressed_deflection(k), pressed_force(k)};
             for (int a = 0; a < 2; a++) {
                 if (p == 0 && k == 0)
                     origin[a] = place[a]; /* no force, no deflection */
@@ -93,7 +94,6 @@ static void check_dots(const cJSON *object)
             }
         }
     }
-    assert_null(strstr(at, "<circle "));
     assert_true(scale[0] > 0 && scale[1] < 0);
     assert_int_equal(text_count(svg, ">loading<") + text_count(svg, ">unloading<") + text_count(svg, ">reloading<"), 3);
     assert_int_equal(text_count(svg, ">Two rods pressed together<"), 1);
@@ -223,7 +223,10 @@ static void a_simulated_series_gives_its_stiffness(void **state)
     check_near(json_at(object, "states.6.index"), 6, 0);
     cJSON_Delete(object);
     char *svg = check_svg("stress.svg");
-    assert_int_equal(text_count(svg, "<circle "), 3 * 7);
+    struct svg_point dots[10];
+    assert_int_equal(svg_fills(svg, "rgb(0%,44.7", dots, 10), 7 + 1); /* with the key */
+    assert_int_equal(svg_fills(svg, "rgb(83.5%,36.9", dots, 10), 7 + 1);
+    assert_int_equal(svg_fills(svg, "rgb(0%,62%", dots, 10), 7 + 1);
     assert_int_equal(text_count(svg, ">xx<") + text_count(svg, ">yy<") + text_count(svg, ">xy<"), 3);
     free(svg);
 }

@@ -118,7 +118,7 @@ static void contacts_without_forces_are_lines_too(void **state)
     struct svg_stroke blue[MOST];
     command_done("report map 0002.contacts.hdf --width 1000 --title 'a <title>' -o contacts.svg");
     char *svg = check_svg("contacts.svg");
-    assert_int_equal(svg_strokes(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS);
+    assert_int_equal(svg_strokes(svg, "rgb(0%,44.7", blue, MOST), LATTICE_CONTACTS + 1); /* with the legend's */
     for (int c = 0; c < LATTICE_CONTACTS; c++)
         check_near(blue[c].width, c == 2 ? 1 : 2, 1e-6);              /* the candidate, dotted */
     assert_int_equal(text_count(svg, "stroke-dasharray"), 1 + 1 + 1); /* the candidate, the rattler, its legend */

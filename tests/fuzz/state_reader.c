@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 #include "pipeline/packing/patches.h"
 
 /* HDF5 1.10.8 itself keeps blocks when it meets damaged metadata. */

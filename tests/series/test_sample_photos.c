@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "simulation/render/render.h"
+#include "pipeline/packing/packing_file.h"
 
 #define SAMPLE FILM_SOURCE_DIR "/sample_images"
 

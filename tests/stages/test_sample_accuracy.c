@@ -1,13 +1,13 @@
 /* Photos to forces against the exact truth: reads what the Makefile made of sample_images (fixture `sample_series`)
  * and compares it with what simulate and render know. Everything is recomputed here from the files' columns; grains are
  * matched by position, contacts through the matched grains. */
-#include "tests/check.h"
+#include "tests/rank_by_hand.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 enum { PHOTOS = 5 };
 #define OUTPUT FILM_BINARY_DIR "/sample"
@@ -186,6 +186,21 @@ static void check_network(int index)
     chain_free(&chain);
 }
 
+/* From the definition; photo 1 has 77 independent sets of self-balanced forces. */
+static void indeterminacy_is_that_of_the_equations(void **state)
+{
+    (void)state;
+    for (int index = 0; index < PHOTOS; index++) {
+        struct chain chain = {0};
+        double equations;
+        chain_read(&chain, index, "contacts");
+        check_near(chain.found.indeterminacy.h, h_by_hand(&chain.found, 0.53, 0, &equations), 0);
+        if (index == 1)
+            check_near(chain.found.indeterminacy.h, 77, 0);
+        chain_free(&chain);
+    }
+}
+
 static void network_is_right(void **state)
 {
     (void)state;
@@ -257,9 +272,8 @@ static void forces_are_close(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grains_are_found),
-        cmocka_unit_test(motions_are_followed),
-        cmocka_unit_test(network_is_right),
+        cmocka_unit_test(grains_are_found), cmocka_unit_test(motions_are_followed),
+        cmocka_unit_test(network_is_right), cmocka_unit_test(indeterminacy_is_that_of_the_equations),
         cmocka_unit_test(forces_are_close),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

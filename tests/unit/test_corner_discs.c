@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/packing/packing_file.h"
 #include "simulation/dem/dem.h"
 #include "simulation/series_folder.h"
 #include "simulation/dem/simulate_scene.h"

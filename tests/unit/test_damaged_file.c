@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 /* HDF5 1.10.8 itself keeps a block when it meets a damaged file. */
 const char *__lsan_default_suppressions(void);

@@ -155,6 +155,25 @@ static struct scene frame_scene(void)
     return scene;
 }
 
+/* Corners by hand, each wrong by `error` across the wall: the ends of a wall of length L turn it by sqrt 2 error / L.
+ */
+static void test_errors_of_the_frame(void **state)
+{
+    (void)state;
+    struct scene scene = frame_scene();
+    struct grains none = {0};
+    struct frame_request request = {
+        .scene = &scene, .grains = &none, .statistics = {.bearing = &usual}, .frame_error_px = 0.5};
+    struct frame frame;
+    check_done(frame_walls(&request, &frame));
+    const double length[] = {1000, 800, 1000, 800};
+    for (int w = 0; w < 4; w++) {
+        check_near(frame.now.s_offset[w], 0.5 * PX, 1e-4 * PX);
+        check_near(frame.now.s_angle[w], M_SQRT2 * 0.5 / length[w], 1e-4 / length[w]);
+    }
+    frame_free(&frame);
+}
+
 /* Markers say that the top comes down by 8 px and the side walls lean by 10 degrees (simple shear). */
 static void test_walls_follow_markers(void **state)
 {
@@ -231,6 +250,7 @@ int main(void)
         cmocka_unit_test(test_line_without_grains_keeps_the_prior),
         cmocka_unit_test(test_exact_line_is_left_alone),
         cmocka_unit_test(test_line_follows_the_grains),
+        cmocka_unit_test(test_errors_of_the_frame),
         cmocka_unit_test(test_walls_follow_markers),
         cmocka_unit_test(test_no_frame_no_walls),
     };

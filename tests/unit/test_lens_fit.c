@@ -179,7 +179,7 @@ static void test_drawn_plate(void **state)
     char line[400];
     size_t arrows = 0;
     while (fgets(line, sizeof line, file))
-        arrows += strncmp(line, "<circle", 7) == 0;
+        arrows += strstr(line, "stroke:none;fill-rule:nonzero") != NULL; /* the dots at their beginnings */
     fclose(file);
     assert_true(arrows > 17 * 13 + plate.points.count / 2 && arrows <= 17 * 13 + plate.points.count);
     plate_free(&plate);

@@ -299,6 +299,6 @@ int main(void)
     close(file);
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     remove(path);
-    overlay_forget_fonts();
+    canvas_forget_fonts();
     return failed;
 }

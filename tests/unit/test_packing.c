@@ -9,7 +9,7 @@
 #include <hdf5.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 
 static char folder[] = "/tmp/test_packing.XXXXXX";
 

@@ -6,6 +6,7 @@
 #include <hdf5.h>
 
 #include "pipeline/packing/packing_check.h"
+#include "pipeline/packing/packing_file.h"
 #include "pipeline/speak/error.h"
 #include "tests/check.h"
 #include "tests/touch.h"

@@ -2,6 +2,7 @@
 #include "tests/check.h"
 #include "tests/touch.h"
 
+#include <cairo.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@
 #include "report/compare/budget.h"
 #include "pipeline/draw/canvas.h"
 #include "pipeline/draw/chart.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/compare/compare.h"
 #include "report/states/distribution.h"
 #include "report/export/export.h"
@@ -353,7 +355,7 @@ static void test_chart(void **unused)
     chart_put(line, 1, 1);
     assert_false(chart_is_empty(&chart));
     check_done(canvas_begin_memory(&canvas, CANVAS_SVG, 300, 200)); /* one point: axes of some length all the same */
-    chart_draw(&chart, canvas.cairo, 300, 200);
+    chart_draw(&chart, &canvas, 300, 200);
     check_done(canvas_take(&canvas, &svg, &length));
     assert_int_equal(memcmp(svg, "<?xml", 5), 0);
     free(svg);
@@ -361,7 +363,7 @@ static void test_chart(void **unused)
     chart_put(line, 1 - 0x1p-53, 1 - 0x1p-53); /* one rounding away: still as many ticks as for one point, not 10^9 */
     line->y[0] = NAN;
     check_done(canvas_begin_memory(&canvas, CANVAS_SVG, 300, 200));
-    chart_draw(&chart, canvas.cairo, 300, 200);
+    chart_draw(&chart, &canvas, 300, 200);
     check_done(canvas_take(&canvas, &svg, &length));
     check_at_most((double)length, 1e5);
     free(svg);
@@ -575,9 +577,9 @@ static void test_film_and_series(void **unused)
         write_chain(path[k], k, 0.03 * k);
     }
     char *paths[] = {path[0], path[1]};
-    struct film film = {.width = 300};
+    struct movie film = {.width = 300};
     snprintf(frames, sizeof frames, "%s/frames", folder);
-    check_done(film_write(&film, paths, 2, frames));
+    check_done(movie_write(&film, paths, 2, frames));
     for (int k = 0; k < 2; k++) {
         snprintf(frame, sizeof frame, "%s/%04d.png", frames, k);
         png_size(frame, size[k]);
@@ -596,7 +598,7 @@ static void test_film_and_series(void **unused)
     free(text);
     remove(frames);
     film.width = 1e9; /* no picture is so wide: nothing is left behind */
-    assert_int_equal(film_write(&film, paths, 2, frames), -1);
+    assert_int_equal(movie_write(&film, paths, 2, frames), -1);
     assert_int_equal(remove(frames), -1);
     remove(path[0]), remove(path[1]), remove(folder);
 }
@@ -632,7 +634,7 @@ static uint32_t pixel(const struct canvas *canvas, double x, double y)
 }
 
 /* How many pixels of the column x are in the colour of a sticking contact. */
-static int blue_in_column(const struct canvas *canvas, const struct map *map, double x)
+static int blue_in_column(const struct canvas *canvas, const struct force_map *map, double x)
 {
     int count = 0;
     for (int y = 0; y < (int)map->view_height; y++)
@@ -650,10 +652,10 @@ static void test_map_widths(void **unused)
     make_chain(&p);
     for (int c = 0; c < 4; c++)
         p.forces->contact.ft[c] = 0;
-    struct map map = {.packing = &p, .forces = p.forces, .width = 1600, .mean_fn = 25, .title = "a"};
-    check_done(map_measure(&map));
+    struct force_map map = {.packing = &p, .forces = p.forces, .width = 1600, .mean_fn = 25, .title = "a"};
+    check_done(force_map_measure(&map));
     check_done(canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height));
-    check_done(map_draw(&map, canvas.cairo));
+    check_done(force_map_draw(&map, &canvas));
     cairo_surface_flush(canvas.surface);
     for (int c = 0; c < 3; c++)
         width[c] = blue_in_column(&canvas, &map, map.scale * (0.02 * c + 0.01 - map.x0));
@@ -682,7 +684,7 @@ static void test_photo_map(void **unused)
     check_done(photo_map_measure(&map));
     check_near(map.arrows, 20, 1e-9); /* 3 px become at most 80 px: 26, rounded down */
     check_done(canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height));
-    check_done(photo_map_draw(&map, canvas.cairo));
+    check_done(photo_map_draw(&map, &canvas));
     cairo_surface_flush(canvas.surface);
     double y = map.scale * (100 - map.y0);
     assert_int_equal(pixel(&canvas, map.scale * (60 - map.x0), y), 0x56B4E9);
@@ -701,8 +703,8 @@ static void test_map_nothing(void **unused)
 {
     (void)unused;
     struct packing p = {.length_m = NAN};
-    struct map map = {.packing = &p, .width = 400};
-    assert_int_equal(map_measure(&map), -1);
+    struct force_map map = {.packing = &p, .width = 400};
+    assert_int_equal(force_map_measure(&map), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
 }
 

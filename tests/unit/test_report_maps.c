@@ -1,6 +1,7 @@
 /* Force maps side by side: one method and one unit of width for all of them, and no line that covers the others. */
 #include "tests/check.h"
 
+#include <cairo.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/draw/canvas.h"
+#include "pipeline/packing/packing_file.h"
 #include "report/compare/compare.h"
 #include "report/pictures/movie.h"
 #include "report/pictures/force_map.h"
@@ -218,12 +220,12 @@ static void test_film_method(void **unused)
 {
     (void)unused;
     char path[STATES][64], *paths[STATES], frames[64], frame[80];
-    struct film film = {.width = 1000};
+    struct movie film = {.width = 1000};
     write_states(path);
     for (int k = 0; k < STATES; k++)
         paths[k] = path[k];
     snprintf(frames, sizeof frames, "%s/frames", folder);
-    check_done(film_write(&film, paths, STATES, frames));
+    check_done(movie_write(&film, paths, STATES, frames));
     double scale = 1000 / (0.06 * 1.06), view = scale * (0.02 + 0.06 * 0.06);
     for (int k = 0; k < STATES; k++) {
         snprintf(frame, sizeof frame, "%s/%04d.png", frames, k);
@@ -233,7 +235,7 @@ static void test_film_method(void **unused)
     }
     film.method = "qsm";
     write_states(path);
-    assert_int_equal(film_write(&film, paths, STATES, frames), -1);
+    assert_int_equal(movie_write(&film, paths, STATES, frames), -1);
     for (int k = 0; k < STATES; k++)
         unlink(path[k]);
     rmdir(frames);
@@ -250,16 +252,16 @@ static void test_wide_lines(void **unused)
     p.grains.radius[0] = 0.002; /* mean radius 7.33 mm: eight units are 12.9 mm */
     p.walls.x0[0] = -0.002;     /* the left end of what is there; the line to the wall would reach -6.5 mm */
     p.forces[0].contact.fn[2] = 1e4;
-    struct map map = {.packing = &p, .forces = p.forces, .width = 1000, .mean_fn = 10, .title = "a"};
-    check_done(map_measure(&map));
+    struct force_map map = {.packing = &p, .forces = p.forces, .width = 1000, .mean_fn = 10, .title = "a"};
+    check_done(force_map_measure(&map));
     double unit = 0.22 * 0.022 / 3 * map.scale;
-    check_near(map_line_width(&map, 10), unit, 1e-9);
-    check_near(map_line_width(&map, 70), 7 * unit, 1e-9);
-    check_near(map_line_width(&map, 90), 8 * unit, 1e-9);
-    check_near(map_line_width(&map, 1e4), 8 * unit, 1e-9);
-    assert_int_equal(map_cut_lines(&map), 1);
+    check_near(force_map_line_width(&map, 10), unit, 1e-9);
+    check_near(force_map_line_width(&map, 70), 7 * unit, 1e-9);
+    check_near(force_map_line_width(&map, 90), 8 * unit, 1e-9);
+    check_near(force_map_line_width(&map, 1e4), 8 * unit, 1e-9);
+    assert_int_equal(force_map_cut_lines(&map), 1);
     check_done(canvas_begin_memory(&canvas, CANVAS_PNG, map.width, map.height));
-    check_done(map_draw(&map, canvas.cairo));
+    check_done(force_map_draw(&map, &canvas));
     cairo_surface_flush(canvas.surface);
     for (double x = 0; x < map.margin - 1; x++)
         assert_int_equal(blue_in_column(canvas.surface, x, map.view_height), 0);
@@ -268,7 +270,7 @@ static void test_wide_lines(void **unused)
     check_near(blue_in_column(canvas.surface, outside, map.view_height), unit, 2);
     canvas_discard(&canvas);
     p.forces[0].contact.fn[2] = 80;
-    assert_int_equal(map_cut_lines(&map), 0);
+    assert_int_equal(force_map_cut_lines(&map), 0);
     packing_free(&p);
 }
 

@@ -1,6 +1,6 @@
 /* Numbers and curves of the page that are made in report/ itself: quantiles, the degree of indeterminacy, and when a
  * test is an oedometer. Known by counting. */
-#include "tests/check.h"
+#include "tests/rank_by_hand.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,12 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "pipeline/draw/pen.h"
 #include "report/compare/figures.h"
 #include "report/pictures/histogram.h"
 #include "report/states/indeterminacy.h"
 #include "report/page/page.h"
 #include "report/pictures/page_picture.h"
-#include "report/states/quantiles.h"
+#include "pipeline/numbers/quantiles.h"
+#include "pipeline/packing/packing_file.h"
 
 static char folder[] = "/tmp/test_report_numbers.XXXXXX";
 
@@ -25,7 +27,7 @@ static void test_quantiles(void **unused)
     struct quantiles q;
     for (int k = 0; k < 21; k++)
         column[k] = (k * 8) % 21; /* 0 to 20, shuffled */
-    check_done(quantiles_of(column, flags, 21, &q));
+    check_done(quantiles_of(column, flags, GRAIN_DISTRUST, 21, &q));
     check_near(q.least, 0, 0);
     check_near(q.low, 1, 1e-12);
     check_near(q.middle, 10, 1e-12);
@@ -36,11 +38,11 @@ static void test_quantiles(void **unused)
             flags[k] = GRAIN_LOW_ZNCC;
         else if (column[k] == 0)
             column[k] = NAN;
-    check_done(quantiles_of(column, flags, 21, &q)); /* 1 to 10 are left */
+    check_done(quantiles_of(column, flags, GRAIN_DISTRUST, 21, &q)); /* 1 to 10 are left */
     check_near(q.least, 1, 0);
     check_near(q.middle, 5.5, 1e-12);
     check_near(q.most, 10, 0);
-    check_done(quantiles_of(NULL, flags, 21, &q));
+    check_done(quantiles_of(NULL, flags, GRAIN_DISTRUST, 21, &q));
     assert_true(isnan(q.middle));
 }
 
@@ -88,23 +90,33 @@ static void make_packing(struct packing *p, const double strain[2], double sxx, 
         p->forces->residual.residual_x[k] = p->forces->residual.residual_y[k] = 0.01 * k;
 }
 
-/* Unknown: 2 of the contact between the grains, 1 per wall contact where walls are smooth, else 2. Equations: 3 for
- * each of two grains, 1 for each loaded wall. */
+static double h_of(const struct packing *packing, const struct forces *forces)
+{
+    double h;
+    check_done(indeterminacy(packing, forces, &h));
+    return h;
+}
+
+/* By the rank of the equations, where walls are smooth when no force says otherwise; what the file says comes first. */
 static void test_indeterminacy(void **unused)
 {
     (void)unused;
     struct packing p;
+    double equations;
     make_packing(&p, (double[2]){0, 0}, 1, 1);
-    check_near(indeterminacy(&p, p.forces), 2 + 4 - 6 - 2, 0);
-    check_near(indeterminacy(&p, NULL), 2 + 8 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0.5, 0, &equations), 0);
+    check_near(h_of(&p, NULL), h_by_hand(&p, 0.5, 0.5, &equations), 0);
+    assert_true(h_of(&p, NULL) > h_of(&p, p.forces));
     p.forces->contact.ft[1] = 0.1; /* the bottom is rough */
-    check_near(indeterminacy(&p, p.forces), 2 + 8 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0.5, 0.5, &equations), 0);
     p.forces->contact.ft[1] = 0, p.forces->mu = 0;
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
-    p.walls.fx[2] = 4; /* left and right loaded: still one direction */
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 6 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
+    p.walls.fx[2] = 4; /* left and right loaded: one of them reacts */
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
     p.grains.flags[1] = GRAIN_FIXED;
-    check_near(indeterminacy(&p, p.forces), 1 + 4 - 3 - 2, 0);
+    check_near(h_of(&p, p.forces), h_by_hand(&p, 0, 0, &equations), 0);
+    p.indeterminacy = (struct indeterminacy){1, 17, 3};
+    check_near(h_of(&p, p.forces), 17, 0);
     packing_free(&p);
 }
 
@@ -175,10 +187,9 @@ static void test_histogram(void **unused)
     photo_free(&photo);
 }
 
-static int draw_dot(cairo_t *cairo, const void *radius)
+static int draw_dot(struct canvas *canvas, const void *radius)
 {
-    cairo_arc(cairo, 50, 50, *(const double *)radius, 0, 6.2832);
-    cairo_fill(cairo);
+    pen_circle(canvas, &(struct pen){0}, 50, 50, *(const double *)radius);
     return 0;
 }
 
@@ -241,7 +252,7 @@ static void test_figures(void **unused)
         size_t length;
         FILE *stream = open_memstream(&text, &length);
         figures_add(&figures, "name", cases[k].value, cases[k].units, "what");
-        figures_print(&figures, stream);
+        check_done(figures_print(&figures, stream));
         fclose(stream);
         const char *space = strchr(cases[k].shown, ' ');
         int digits = space ? (int)(space - cases[k].shown) : (int)strlen(cases[k].shown);
@@ -251,11 +262,63 @@ static void test_figures(void **unused)
     }
 }
 
+/* A list that is full must not lose figures in silence. */
+static void test_figures_too_many(void **unused)
+{
+    (void)unused;
+    struct figures figures = {.count = 0};
+    enum { ROOM = sizeof figures.list / sizeof *figures.list };
+    for (int k = 0; k < ROOM; k++)
+        figures_add(&figures, "name", k, "1", "what");
+    FILE *stream = fopen("/dev/null", "w");
+    assert_non_null(stream);
+    check_done(figures_print(&figures, stream));
+    figures_add(&figures, "name", 0, "1", "one too many");
+    assert_int_equal(figures_print(&figures, stream), -1);
+    assert_int_equal(figures_write_json(&figures, "/tmp/test_report_numbers.json"), -1);
+    fclose(stream);
+}
+
+/* What the page warns of in a state whose Weber stresses are off the applied ones by these shares. */
+static char *warnings_of(double xx, double yy)
+{
+    char name[] = "0000";
+    struct series_row row = {.name = name, .packing.force_count = 1};
+    struct series series = {.rows = &row, .count = 1};
+    struct force_summary *forces = &row.packing.forces[0];
+    struct html html;
+    strcpy(forces->method, "qsm");
+    row.packing.applied[0][0] = 2e4, row.packing.applied[1][1] = 5e4;
+    forces->weber[0][0] = 2e4 * (1 + xx), forces->weber[1][1] = 5e4 * (1 + yy);
+    forces->overlaps_over_loads = NAN;
+    check_done(html_begin(&html));
+    check_done(page_warnings(&series, &html));
+    check_done(html_end(&html));
+    return html.text;
+}
+
+static void test_stress_is_warned_of(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double xx, yy;
+        int said[2];
+    } cases[] = {{0.09, -0.09, {0, 0}}, {0.11, 0, {1, 0}}, {0, -0.11, {0, 1}}, {-0.3, 0.5, {1, 1}}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char *text = warnings_of(cases[k].xx, cases[k].yy);
+        assert_int_equal(strstr(text, "Weber stress xx is more than") != NULL, cases[k].said[0]);
+        assert_int_equal(strstr(text, "Weber stress yy is more than") != NULL, cases[k].said[1]);
+        free(text);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantiles), cmocka_unit_test(test_indeterminacy),
-                                       cmocka_unit_test(test_oedometer), cmocka_unit_test(test_histogram),
-                                       cmocka_unit_test(test_pictures),  cmocka_unit_test(test_figures)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quantiles),        cmocka_unit_test(test_indeterminacy),
+        cmocka_unit_test(test_oedometer),        cmocka_unit_test(test_histogram),
+        cmocka_unit_test(test_pictures),         cmocka_unit_test(test_figures),
+        cmocka_unit_test(test_figures_too_many), cmocka_unit_test(test_stress_is_warned_of)};
     if (!mkdtemp(folder))
         return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

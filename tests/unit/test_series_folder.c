@@ -9,6 +9,7 @@
 
 #include "simulation/series_folder.h"
 #include "simulation/dem/simulate_scene.h"
+#include "pipeline/packing/packing_file.h"
 
 static const char SCENE[] =
     "{\"schema\": \"film.scene/1\", \"name\": \"test\",\n"

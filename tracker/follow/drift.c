@@ -2,30 +2,10 @@
 
 #include <math.h>
 
+#include "pipeline/numbers/dense.h"
+
 enum { ZOOM, TURN, TX, TY, UNKNOWNS };
 static const double smallest_error = 1e-5; /* px: no patch weighs more than this allows */
-
-/* In-place inverse of the leading part [first, UNKNOWNS) of a symmetric positive definite matrix by elimination. */
-static int invert(double m[UNKNOWNS][UNKNOWNS], int first)
-{
-    for (int k = first; k < UNKNOWNS; k++) {
-        double pivot = m[k][k];
-        if (!(pivot > 0))
-            return 0;
-        m[k][k] = 1;
-        for (int j = first; j < UNKNOWNS; j++)
-            m[k][j] /= pivot;
-        for (int i = first; i < UNKNOWNS; i++) {
-            if (i == k)
-                continue;
-            double factor = m[i][k];
-            m[i][k] = 0;
-            for (int j = first; j < UNKNOWNS; j++)
-                m[i][j] -= factor * m[k][j];
-        }
-    }
-    return 1;
-}
 
 /* The three measurements of a patch as rows: value = row . p, with weight 1 / variance. */
 struct rows {
@@ -97,7 +77,7 @@ struct camera camera_fit(const struct corrected *patches, const int *good, size_
         }
     if (first == TURN)
         freeze_zoom(camera.covariance);
-    if (!used || !invert(camera.covariance, first))
+    if (!used || dense_invert(&camera.covariance[first][first], (size_t)(UNKNOWNS - first), UNKNOWNS, 0))
         return camera;
     for (int i = first; i < UNKNOWNS; i++)
         for (int j = first; j < UNKNOWNS; j++)

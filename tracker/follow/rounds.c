@@ -8,7 +8,7 @@
 #include "tracker/follow/follow.h"
 #include "tracker/search/neighbours.h"
 
-static const double degree = 3.141592653589793 / 180;
+static const double degree = M_PI / 180;
 enum { SEED_STEP = 8, SPREAD_ROUNDS = 12 };
 
 typedef int step(struct follow *follow, size_t k, struct search_workspace *workspace);

@@ -85,7 +85,7 @@ static int fit_from(const struct target *target, const struct target_photos *pho
 /* A wrong place leaves so much that its stated errors are large: a match with such errors is not good. */
 static int is_credible(const struct fit *fit)
 {
-    const double shift = 0.2, turn = 1.5 * 3.141592653589793 / 180;
+    const double shift = 0.2, turn = 1.5 * M_PI / 180;
     return fit->covariance[0][0] < shift * shift && fit->covariance[1][1] < shift * shift &&
            fit->covariance[2][2] < turn * turn;
 }

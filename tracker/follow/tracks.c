@@ -10,7 +10,7 @@ static const double half_subset = 0.5;   /* below this share of its pixels a gra
 /* Are errors of half a pixel or half a degree within so many standard errors? */
 static int is_vague(const struct fit *fit, double sigmas)
 {
-    const double shift = 0.5 / sigmas, turn = 0.5 / sigmas * 3.141592653589793 / 180;
+    const double shift = 0.5 / sigmas, turn = 0.5 / sigmas * M_PI / 180;
     return fit->covariance[0][0] > shift * shift || fit->covariance[1][1] > shift * shift ||
            fit->covariance[2][2] > turn * turn;
 }

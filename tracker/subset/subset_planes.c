@@ -9,8 +9,6 @@
 #include "pipeline/numbers/simd.h"
 #include "tracker/subset/slopes.h"
 
-static const double pi = 3.141592653589793;
-
 /* What the normal equations are made of, pixel by pixel: instruments, grey, Laplacian, 1, plain slopes. */
 enum { Z = 0, GREY = 3, BLUR, ONE, J, VECTORS = J + 3, STRETCH = 256, LANES = 32 };
 
@@ -267,7 +265,7 @@ int subset_fill(const struct photo *reference, struct subset *subset)
     subset->energy = products.sum[GREY][GREY] - products.sum[GREY][ONE] * products.sum[GREY][ONE] / n;
     subset->speckle = slope2 > 0 ? sqrt(2 * subset->energy / slope2) : 0;
     subset->speckle_count =
-        subset->speckle > 0 ? textured_pixels(subset) / (pi * subset->speckle * subset->speckle) : 0;
+        subset->speckle > 0 ? textured_pixels(subset) / (M_PI * subset->speckle * subset->speckle) : 0;
     if (subset->energy > 0 && nuisance_shares(&products, share)) {
         set_matrices(&products, share, subset);
         orthogonalise(&slopes, share, products.sum[GREY][BLUR] / products.sum[GREY][GREY], products.sum[BLUR][ONE] / n,

@@ -1,8 +1,10 @@
 /* Hoare's selection (CACM 4 (1961) 321) with the median of three as pivot. No value is NaN. */
-#include "pipeline/numbers/median.h"
+#include "pipeline/numbers/quantiles.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#include "pipeline/speak/error.h"
 
 static void swap(double *a, double *b)
 {
@@ -69,4 +71,44 @@ static int by_value(const void *a, const void *b)
 void sort_values(double *values, size_t count)
 {
     qsort(values, count, sizeof *values, by_value);
+}
+
+double quantile(const double *sorted, size_t count, double share)
+{
+    if (count == 0)
+        return NAN;
+    double place = share * (double)(count - 1);
+    size_t below = (size_t)place;
+    if (below + 1 >= count)
+        return sorted[count - 1];
+    return sorted[below] + (place - (double)below) * (sorted[below + 1] - sorted[below]);
+}
+
+double *sorted_values(const double *column, const uint32_t *flags, uint32_t distrust, size_t rows, size_t *count)
+{
+    double *values = malloc((rows + 1) * sizeof *values);
+    *count = 0;
+    if (!values) {
+        (void)error_memory("quantiles");
+        return NULL;
+    }
+    for (size_t k = 0; k < rows && column; k++)
+        if (isfinite(column[k]) && !(flags && flags[k] & distrust))
+            values[(*count)++] = column[k];
+    sort_values(values, *count);
+    return values;
+}
+
+int quantiles_of(const double *column, const uint32_t *flags, uint32_t distrust, size_t rows,
+                 struct quantiles *quantiles)
+{
+    size_t count;
+    double *values = sorted_values(column, flags, distrust, rows, &count);
+    if (!values)
+        return -1;
+    *quantiles =
+        (struct quantiles){quantile(values, count, 0), quantile(values, count, 0.05), quantile(values, count, 0.5),
+                           quantile(values, count, 0.95), quantile(values, count, 1)};
+    free(values);
+    return 0;
 }
