@@ -1,3 +1,4 @@
+/* Reading the photo side of a state and writing the network with everything that says how it came about. */
 #include "contacts/files.h"
 
 #include <stdlib.h>

@@ -12,6 +12,8 @@ struct photo_state {
     struct state_info info;
 };
 
+/* Grains and patches of a file of findgrains or tracker; to be freed. 0, or -1 with a line: another kind of file
+ * (EXIT_INPUT), columns missing, unreadable; nothing is to be freed then. */
 int photo_state_read(const char *path, struct photo_state *state);
 void photo_state_free(struct photo_state *state); /* accepts a zeroed struct */
 /* Further measurements of the radii: `count` files into as many tables, one block to be freed with photos_free(). */
@@ -28,7 +30,7 @@ char *contact_options_text(const struct contact_options *options, const struct c
 int contacts_write(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
                    const struct contact_options *options, const struct contact_summary *summary,
                    const struct packing *packing);
-/* What was found, as one line of the log. */
+/* What was found, as one line of the log (--log): numbers by their names. */
 void contacts_log(const struct contact_summary *summary);
 
 #endif

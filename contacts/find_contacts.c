@@ -1,3 +1,9 @@
+/* The steps of one state: grains in metres, the correction of all radii from the pile-up of overlaps, the pairs and
+ * walls, who carries nothing, the contacts by probability, their motion, and what the loads could not leave standing.
+ *
+ * Two things need each other: the statistics of overlaps are sharp only without the grains that carry nothing, and who
+ * carries nothing is told by the contacts. The network is built from all pairs first, then once more with what that
+ * told. */
 #include "contacts/find_contacts.h"
 
 #include <stdlib.h>

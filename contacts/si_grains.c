@@ -1,3 +1,7 @@
+/* From px to metres: x = scale (px - origin), y up. Radii are averaged over the photos that were given, corrected
+ * (scale, offset), and magnified where the lens is not undone yet. Errors of a reference position and those of the
+ * motion since stay apart: the first are the same in all states of a series and drop out of motions, not out of
+ * overlaps. */
 #include "contacts/si_grains.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef CONTACTS_SI_GRAINS_H
 #define CONTACTS_SI_GRAINS_H
 
-#include "contacts/find_contacts.h"
+#include "contacts/contact_input.h"
 
 /* Fill the empty table: positions, corrected radii and rim shapes in metres, y up; mass and moment of inertia of solid
  * rods (density and length of the scene; without a density mass = R2); weight into load_x, load_y. Rows with a

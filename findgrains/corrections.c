@@ -1,3 +1,6 @@
+/* Lists by hand: "x y radius" of grains that were missed, "x y" of circles that are none. Lines may be empty or end
+ * with a comment after #. A circle that is added is measured like any other from where it was clicked; it is kept even
+ * when no edge is found there, and flagged. */
 #include "findgrains/corrections.h"
 
 #include "pipeline/speak/error.h"

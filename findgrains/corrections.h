@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 
 struct correction {
     double x, y, radius; /* px of the photo; radius 0: remove */

@@ -1,3 +1,8 @@
+/* The whole way of one photo: zone and grey levels (look/), rims captured at coarse pixels (capture/), corrections by
+ * hand, rims measured to the noise (rims/), the table and its flags, and the frame that the grains lean against.
+ *
+ * Everything that could be a threshold is relative: to the contrast between grain and void, to the blur, to the noise
+ * of this photo. A photo with another exposure, focus or resolution gives the same circles. */
 #include "findgrains/find_grains.h"
 
 #include "findgrains/capture/detect.h"
@@ -14,6 +19,7 @@
 #define LEAST_CONTRAST 2.0
 #define KNOWN_SPREAD 1.0 /* px: how far a known grain may be from where it is said to be */
 
+/* Mean over the measured rims, grey levels; NaN without one. */
 static double mean_noise(const struct rims *rims)
 {
     double sum = 0, count = 0;

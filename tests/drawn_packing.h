@@ -5,7 +5,7 @@
 #include "tests/check.h"
 #include "tests/dots.h"
 
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/follow/track_grains.h"
 
 enum { COLUMNS = 5, ROWS = 4, COUNT = COLUMNS * ROWS, WIDTH = 420, HEIGHT = 360 };

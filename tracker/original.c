@@ -1,3 +1,5 @@
+/* Reading text of the 1gamma2epsilon programs: a count, then that many rows of the same length. What is not understood
+ * is refused with its line; rows are never left out, since row k is grain k for ever. */
 #include "tracker/original.h"
 
 #include <errno.h>

@@ -13,7 +13,8 @@
 /* Does the file begin with a digit, as both do? A state file does not. */
 int original_is_text(const char *path);
 
-/* Circles of the reference photo, from either. */
+/* Circles of the reference photo, from either, into the empty table: x_px, y_px, radius_px; flags 0. 0, or -1 with a
+ * line that names file and row; nothing is to be freed then. */
 int original_read_grains(const char *path, struct photo_grains *grains);
 
 /* Where the `reference` grains were in an earlier photo, from dic_out: only what says where to look next. These files

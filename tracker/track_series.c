@@ -1,3 +1,6 @@
+/* The tracker on files: everything that can be refused is refused before the first photo is looked at. Photos are
+ * followed one after the other; the tracks of each say where to look in the next, and are named in its file as an
+ * input. A series that stops half-way leaves whole files only. */
 #include "tracker/track_series.h"
 
 #include <errno.h>

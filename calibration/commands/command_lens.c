@@ -4,6 +4,7 @@
  * best rigid motion of each photo is distortion. One fit over all photos: the lens and every motion (lens_fit.h). */
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/commands/lens_picture.h"
+#include "calibration/lens/lens_fit.h"
 #include "calibration/lens/lens_plate.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/draw/canvas.h"

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "calibration/hertz/hertz.h"
+#include "pipeline/speak/version.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 
@@ -26,7 +27,7 @@ static void describe(const struct hertz_probes *probes, double base_young, doubl
                      "\"preparation_mu\":%.17g,\"inertial\":%.17g,\"tolerance\":%.17g,\"restitution\":%.17g,"
                      "\"aspect\":%.17g,\"time_step\":%.17g,\"density\":%.17g,\"law\":%d,\"strain\":%.17g,\"mu\":%.17g,"
                      "\"base\":[%.17g,%.17g],\"grading\":[",
-                     FILM_VERSION, probes->cold, (unsigned long long)s->seed, s->pressure, s->law.mu, s->inertial,
+                     film_version, probes->cold, (unsigned long long)s->seed, s->pressure, s->law.mu, s->inertial,
                      s->tolerance, s->restitution, s->aspect, s->time_step, s->density, (int)s->law.kind,
                      probes->probe.strain, probes->probe.mu, base_young, base_poisson);
     for (size_t g = 0; g < s->grade_count && (size_t)n < size; g++)

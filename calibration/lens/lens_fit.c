@@ -1,13 +1,28 @@
+/* The lens is what makes a plate that only moves look bent. Unknowns: eight of the lens (lens_model.h) and three per
+ * photo; the residual of a point is its corrected position less where the photo's motion carries the corrected
+ * reference position. Marquardt's method (J. Soc. Indust. Appl. Math. 11 (1963) 431): the diagonal of the normal
+ * equations times 1 + damping, a tenth of it after a step that lowers the sum of squares, ten times it after one that
+ * does not.
+ *
+ * After each fit, points more than LENS_OUTLIER robust standard deviations off are left out (or come back), and it is
+ * fitted again until none changes. The covariance is the inverse of the undamped matrix, times chi^2 per degree of
+ * freedom where that exceeds 1. */
 #include "calibration/lens/lens_fit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "calibration/lens/lens_map.h"
 #include "pipeline/numbers/dense.h"
-#include "calibration/lens/lens_model.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 enum { ITERATIONS = 60 };
+
+static int singular(void)
+{
+    return error_input("lens: the equations of the plate are singular: take photos with larger motions");
+}
 
 /* Marquardt's damping of the diagonal until the sum of squares stands still. Leaves the factor of the last undamped
  * matrix in `matrix`. */
@@ -20,7 +35,7 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
         for (size_t i = 0; i < n; i++)
             matrix[i * n + i] *= 1 + damping;
         if (dense_factorise(matrix, n, n, 0))
-            return error_input("lens: the equations of the plate are singular: take photos with larger motions");
+            return singular();
         dense_substitute(matrix, n, n, right);
         for (size_t i = 0; i < n; i++)
             trial[i] = q[i] + right[i];
@@ -37,10 +52,7 @@ static int minimise(const struct problem *problem, double *q, double *matrix)
         if ((better && gain <= 1e-10 * square) || damping > 1e10)
             break;
     }
-    return dense_factorise(matrix, n, n, 0)
-               ? error_input("lens: the equations of the plate are singular: take photos with "
-                             "larger motions")
-               : 0;
+    return dense_factorise(matrix, n, n, 0) ? singular() : 0;
 }
 
 /* Covariance of the unknowns of the lens: columns of the inverse. */
@@ -63,19 +75,12 @@ static size_t sort_out(const struct problem *problem, const double *q, double sc
     for (size_t m = 0; m < points->photos * points->count; m++) {
         if (isnan(points->sigma[m]))
             continue;
-        struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                points->reference[m % points->count], points->seen[m], 0);
+        struct row row = row_of(problem, q, m, 0);
         char in = vec_norm(row.residual) <= LENS_OUTLIER * scale * points->sigma[m];
         changed += in != inside[m];
         inside[m] = in;
     }
     return changed;
-}
-
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 /* Robust size of the residuals in units of their errors, at least 1: the median of a Rayleigh variable is 1.177. */
@@ -85,12 +90,10 @@ static double residual_scale(const struct problem *problem, const double *q, dou
     size_t n = 0;
     for (size_t m = 0; m < points->photos * points->count; m++)
         if (!isnan(points->sigma[m])) {
-            struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                    points->reference[m % points->count], points->seen[m], 0);
+            struct row row = row_of(problem, q, m, 0);
             work[n++] = vec_norm(row.residual) / points->sigma[m];
         }
-    qsort(work, n, sizeof *work, compare);
-    return n ? fmax(1, work[n / 2] / 1.177) : 1;
+    return n ? fmax(1, select_rank(work, n, n / 2) / 1.177) : 1;
 }
 
 /* Start of a photo's motion: the median shift is enough, Marquardt does the rest. */
@@ -105,8 +108,7 @@ static void start_motions(const struct problem *problem, double *work, double *q
                     struct vec d = vec_sub(points->seen[p * points->count + k], points->reference[k]);
                     work[n++] = axis ? d.y : d.x;
                 }
-            qsort(work, n, sizeof *work, compare);
-            q[LENS_UNKNOWNS + MOTION * p + (size_t)axis] = n ? work[n / 2] : 0;
+            q[LENS_UNKNOWNS + MOTION * p + (size_t)axis] = n ? select_rank(work, n, n / 2) : 0;
         }
 }
 
@@ -118,8 +120,7 @@ static void describe(const struct problem *problem, const double *q, const doubl
     fitted->used = 0;
     for (size_t m = 0; m < points->photos * points->count; m++)
         if (problem->inside[m]) {
-            struct row row = row_of(problem, q, q + LENS_UNKNOWNS + MOTION * (m / points->count),
-                                    points->reference[m % points->count], points->seen[m], 0);
+            struct row row = row_of(problem, q, m, 0);
             double e = vec_dot(row.residual, row.residual);
             square += e / 2;
             weighted += e / (points->sigma[m] * points->sigma[m]);

@@ -2,20 +2,8 @@
 #ifndef CALIBRATION_LENS_FIT_H
 #define CALIBRATION_LENS_FIT_H
 
-#include <stddef.h>
-
+#include "calibration/lens/lens_points.h"
 #include "pipeline/scene/lens.h"
-
-enum { LENS_UNKNOWNS = 8, LENS_PHOTOS_MAX = 64, LENS_FEWEST_POINTS = 60, LENS_FEWEST_PHOTOS = 2 };
-
-/* Points of the plate: where they are in the reference photo and, photo by photo, where they are seen. */
-struct lens_points {
-    size_t count, photos;        /* photos: beside the reference */
-    const struct vec *reference; /* count */
-    const struct vec *seen;      /* photos * count, photo by photo */
-    const double *sigma;         /* photos * count: px, error of seen; NaN: not seen */
-    int width, height;           /* of the photos */
-};
 
 struct lens_fitted {
     struct lens lens;
@@ -37,9 +25,5 @@ int lens_fit(const struct lens_points *points, struct lens_fitted *fitted);
 
 /* What is left of point k in a photo: corrected position less where the plate's motion carries it, px. */
 struct vec lens_residual(const struct lens_points *points, const struct lens_fitted *fitted, size_t photo, size_t k);
-
-/* Root mean square over the photo, per component, of the difference between two lenses, after the rigid motion and
- * scale that bring them closest: what cannot be seen of a lens is not counted. *largest (may be NULL): at most. */
-double lens_difference(const struct lens *a, const struct lens *b, int width, int height, double *largest);
 
 #endif

@@ -1,8 +1,10 @@
-/* What a difference of lenses looks like in the photo. */
-#include "pipeline/numbers/dense.h"
-#include "calibration/lens/lens_model.h"
+/* Two lenses that differ by a shift, a rotation or a scale show the same world: such a part of a difference is taken
+ * out (least squares over a grid of points) before the rest is measured. */
+#include "calibration/lens/lens_map.h"
 
 #include <string.h>
+
+#include "pipeline/numbers/dense.h"
 
 enum { MAP_STEPS = 12 };
 

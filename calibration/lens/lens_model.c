@@ -1,3 +1,9 @@
+/* Residuals and normal equations. Unknowns are scaled by R, half the diagonal, so that each moves the corner of the
+ * photo by its own size times R: the matrix is then well scaled, and one prior in these units is a statement about any
+ * photo.
+ *
+ * Some combinations cannot be told from photos of a plate (a shift of the centre from P1 and P2): the priors hold them
+ * near zero, where the map that results is the same. */
 #include "calibration/lens/lens_model.h"
 
 #include <string.h>
@@ -32,9 +38,11 @@ void slopes_of(const struct problem *problem, const double *q, struct vec seen, 
     }
 }
 
-struct row row_of(const struct problem *problem, const double *q, const double *motion, struct vec reference,
-                  struct vec seen, int slopes)
+struct row row_of(const struct problem *problem, const double *q, size_t m, int slopes)
 {
+    const struct lens_points *points = problem->points;
+    const double *motion = q + LENS_UNKNOWNS + MOTION * (m / points->count);
+    const struct vec reference = points->reference[m % points->count], seen = points->seen[m];
     struct lens lens = lens_of(problem, q);
     struct vec arm = vec_sub(lens_corrected(&lens, reference), problem->middle);
     const double c = cos(motion[2]), s = sin(motion[2]);
@@ -71,8 +79,7 @@ double normal_equations(const struct problem *problem, const double *q, double *
             continue;
         size_t photo = m / points->count, first = LENS_UNKNOWNS + MOTION * photo;
         double weight = 1 / (points->sigma[m] * points->sigma[m]);
-        struct row row =
-            row_of(problem, q, q + first, points->reference[m % points->count], points->seen[m], matrix != NULL);
+        struct row row = row_of(problem, q, m, matrix != NULL);
         square += weight * vec_dot(row.residual, row.residual);
         for (int a = 0; matrix && a < LENS_UNKNOWNS + MOTION; a++) {
             size_t ia = a < LENS_UNKNOWNS ? (size_t)a : first + (size_t)(a - LENS_UNKNOWNS);

@@ -3,7 +3,8 @@
 #ifndef CALIBRATION_LENS_MODEL_H
 #define CALIBRATION_LENS_MODEL_H
 
-#include "calibration/lens/lens_fit.h"
+#include "calibration/lens/lens_points.h"
+#include "pipeline/scene/lens.h"
 
 enum { MOTION = 3, SIZE_MAX_UNKNOWNS = LENS_UNKNOWNS + MOTION * LENS_PHOTOS_MAX };
 
@@ -24,13 +25,11 @@ struct row {
 struct lens lens_of(const struct problem *problem, const double *q);
 /* Derivatives of the corrected position with respect to the eight. */
 void slopes_of(const struct problem *problem, const double *q, struct vec seen, struct vec slopes[LENS_UNKNOWNS]);
-struct row row_of(const struct problem *problem, const double *q, const double *motion, struct vec reference,
-                  struct vec seen, int slopes);
+/* Of measurement m; `q`: the unknowns of the lens, then the motion of each photo (u, v, angle: px, px, rad). slopes 0:
+ * the residual only. */
+struct row row_of(const struct problem *problem, const double *q, size_t m, int slopes);
 /* Normal equations: matrix (unknowns^2, row-major) and right-hand side, NULL: not needed; returns the weighted sum of
  * squares, priors included. */
 double normal_equations(const struct problem *problem, const double *q, double *matrix, double *right);
-
-/* Standard error of the map over the photo, rigid motion and scale aside. */
-double map_error(const struct problem *problem, const double *q, double covariance[LENS_UNKNOWNS][LENS_UNKNOWNS]);
 
 #endif

@@ -1,3 +1,5 @@
+/* The tracker follows a lattice of discs over the whole plate; its standard errors are the weights of the fit. A disc
+ * that is flagged in a photo is not seen there. */
 #include "calibration/lens/lens_plate.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef CALIBRATION_LENS_PLATE_H
 #define CALIBRATION_LENS_PLATE_H
 
-#include "calibration/lens/lens_fit.h"
+#include "calibration/lens/lens_points.h"
 #include "tracker/follow/track_grains.h"
 
 struct plate_options {
@@ -21,7 +21,8 @@ struct plate {
     double *sigma;
 };
 
-/* Reads the photos (plain grey), follows the grid, fills the plate. */
+/* Reads the photos (plain grey, of one size), follows the grid, fills the plate, which is to be freed, after a failure
+ * too. 0, or -1 with a line that names the photo. */
 int plate_follow(const char *reference, char *const *photos, size_t count, const struct plate_options *options,
                  struct plate *plate);
 void plate_free(struct plate *plate); /* accepts a zeroed struct */

@@ -1,9 +1,7 @@
+/* Differences of two states. Along n the two centres come closer; across it the material points at the contact slide,
+ * each carried by its grain's rotation times its arm. Errors: each photo's own, and those of the reference cancel since
+ * both states were compared with the same one. */
 #include "contacts/motion/pair_motion.h"
-
-static struct vec wall_middle(const struct walls *walls, size_t w)
-{
-    return vec(0.5 * (walls->x0[w] + walls->x1[w]), 0.5 * (walls->y0[w] + walls->y1[w]));
-}
 
 /* The second body: how its point at the contact moved, its old normal, and how far the centres came closer. */
 struct partner_motion {

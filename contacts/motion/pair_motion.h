@@ -23,6 +23,8 @@ struct contact_motion {
     double overlap_before;     /* m: with today's rim radii */
 };
 
+/* Of one pair of this state, of two grains or of a grain and a wall (pair->j from grains->count on), since the state
+ * `before`, which holds the same rows. NaN where a position was not known. */
 struct contact_motion contact_motion(const struct grains *grains, const struct walls *walls, const struct pair *pair,
                                      const struct state_before *before);
 

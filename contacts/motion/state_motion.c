@@ -1,3 +1,6 @@
+/* The contacts of the state before are looked up by rows that are sorted by their first grain (a counting sort), so
+ * that the cost is linear. A candidate that was none before, or the other way round, is an event: CONTACT_NEW,
+ * CONTACT_OPENED. */
 #include "contacts/motion/state_motion.h"
 
 #include <stdlib.h>

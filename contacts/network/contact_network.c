@@ -1,3 +1,10 @@
+/* From pairs to contacts. The overlaps of all near pairs are a mixture (pair_statistics.h): of grains that are
+ * squeezed, of grains that rest, of gaps. Once the idle grains are known (standing.h), pairs with one of them are a
+ * mixture with shares of its own, and among the rest nothing rests.
+ *
+ * A pair with an overlap x and its error s has a probability for each case. It is a contact where touching is more
+ * likely than not; it stays as a candidate, flagged, while its overlap is within candidate_sigmas errors of zero:
+ * forces may need it, and range questions ask what else could be. */
 #include "contacts/network/contact_network.h"
 
 #include <stdlib.h>

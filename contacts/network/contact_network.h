@@ -2,8 +2,9 @@
 #ifndef CONTACTS_CONTACT_NETWORK_H
 #define CONTACTS_CONTACT_NETWORK_H
 
+#include "contacts/contact_input.h"
+#include "contacts/contact_summary.h"
 #include "contacts/network/near_pairs.h"
-#include "contacts/find_contacts.h"
 #include "contacts/walls/frame.h"
 
 /* Pairs of grains are of two kinds: where both can be squeezed by what they touch, and where one is idle, held by no
@@ -27,7 +28,9 @@ void contact_network_free(struct contact_network *network); /* accepts a zeroed 
 int contact_network_build(const struct contact_input *input, const struct contact_options *options,
                           const struct vec *reference, struct contact_network *network, struct packing *packing);
 
-/* Find the idle grains from the contacts of the packing. */
+/* Find the idle grains from the contacts of the packing, without regard to loads: network->idle, NULL where most grains
+ * are idle (there is nothing to be told apart then). Sets GRAIN_RATTLER and GRAIN_FLOATING. 0, or -1 when memory is
+ * gone. */
 int contact_network_find_idle(const struct contact_input *input, struct contact_network *network,
                               struct packing *packing);
 

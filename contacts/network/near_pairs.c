@@ -1,3 +1,6 @@
+/* How far to look. Statistics need the density of gaps beside the pile-up of contacts: a window of some errors of an
+ * overlap, or a share of a radius where errors are small. Single pairs need more: those of the worst measured grains,
+ * whose overlaps may still be contacts. */
 #include "contacts/network/near_pairs.h"
 
 #include <stdlib.h>

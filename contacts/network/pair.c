@@ -1,3 +1,7 @@
+/* Overlaps by the rims' radii along the branch, R_i(n) + R_j(-n) - d. That is exact for circles; for ellipses it errs
+ * by the square of the shape over the radius, since the normals then leave the branch. (A second harmonic has the same
+ * radius along n and -n.) The variance is that of both rims and of both centres along n, each of which errs in the
+ * reference and once more in this photo. */
 #include "contacts/network/pair.h"
 
 static double finite_or_zero(double value)
@@ -62,8 +66,7 @@ struct pair pair_with_wall(const struct grains *grains, size_t i, const struct w
         return pair_with_disc(grains, i, walls, wall);
     struct vec inward = wall_inward(walls, wall), n = vec_scale(-1, inward);
     struct vec a = vec(grains->x[i], grains->y[i]);
-    struct vec middle = vec(0.5 * (walls->x0[wall] + walls->x1[wall]), 0.5 * (walls->y0[wall] + walls->y1[wall]));
-    struct vec from_middle = vec_sub(a, middle);
+    struct vec from_middle = vec_sub(a, wall_middle(walls, wall));
     double arm = vec_dot(from_middle, wall_direction(walls, wall));
     double reach = rim_radius(grains, i, n);
     struct pair pair = {.i = (int64_t)i, .j = (int64_t)(grains->count + wall), .n = n};

@@ -21,6 +21,8 @@ double rim_radius(const struct grains *grains, size_t k, struct vec n);
 /* Variance of the rim radius less the projection of the centre on n, m2. */
 double rim_variance(const struct grains *grains, size_t k, struct vec n);
 
+/* The pair of two grains, of which i < j; of a grain and wall `wall`, whose error counts along its normal and with the
+ * arm of its tilt. `odds` is not set. Columns that are missing count as exact. */
 struct pair pair_of_grains(const struct grains *grains, size_t i, size_t j);
 struct pair pair_with_wall(const struct grains *grains, size_t i, const struct walls *walls, size_t wall);
 

@@ -1,3 +1,5 @@
+/* Weighted means with weights 1 / s^2; one that has no error counts 1. Where measurements of one rod scatter more than
+ * they state, the error grows by the root of chi^2 / (n - 1) (Birge's ratio, Phys. Rev. 40 (1932) 207). */
 #include "contacts/radii/average.h"
 
 /* A weighted mean as it grows. */

@@ -2,7 +2,7 @@
 #ifndef CONTACTS_AVERAGE_H
 #define CONTACTS_AVERAGE_H
 
-#include "contacts/find_contacts.h"
+#include "contacts/contact_input.h"
 
 /* Set radius, s_radius and, where a photo has them, shape_c shape_s s_shape (m, before any correction) from this photo
  * and the further ones: the mean of the measurements with weights 1/s^2; rows that are flagged or have no number in a

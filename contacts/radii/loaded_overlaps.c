@@ -1,3 +1,5 @@
+/* The loads' say (the equations are in the header). The walls of the scene's corners serve: their error is small
+ * against the specimen, over which V tr sigma is summed. */
 #include "contacts/radii/loaded_overlaps.h"
 
 #include "contacts/walls/frame.h"

@@ -7,7 +7,7 @@
 #ifndef CONTACTS_LOADED_OVERLAPS_H
 #define CONTACTS_LOADED_OVERLAPS_H
 
-#include "contacts/find_contacts.h"
+#include "contacts/contact_input.h"
 
 /* m2: sum of overlap times branch over the contacts between grains; 0: not known, for want of a frame, of loads in both
  * directions, of a stiffness, of pressure, or because the law is not linear. Walls carry their share of V tr sigma with

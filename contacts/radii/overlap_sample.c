@@ -1,3 +1,6 @@
+/* What the likelihood of radius_offset.h is asked of: of more than MAX_PAIRS pairs every n-th is taken, between grains
+ * that can be squeezed and are trusted. With shapes, a pair's overlap as circles is that of the rims less what their
+ * second harmonics add along the branch. */
 #include "contacts/radii/overlap_sample.h"
 
 #include <stdlib.h>

@@ -1,3 +1,11 @@
+/* Expectation maximisation for the mixture in the header. The E step gives each pair its odds and, of the law of what
+ * touches, the shares of its parts and E(t^2 | x); the M step sets shares to mean odds and the scale to the root of the
+ * mean t^2 (which is a^2 for a half-normal law, 2 a^2 for Rayleigh's). All conditional moments are those of a normal
+ * law cut at zero, mass, m_1 = u mass + edge, m_2 = u m_1 + v^2 mass, m_3 = u m_2 + 2 v^2 m_1, by parts.
+ *
+ * Each round is linear in the pairs but converges slowly where the laws overlap. Every two rounds are extrapolated
+ * (SQUAREM, Varadhan and Roland, Scand. J. Statist. 35 (2008) 335, in log ratios, which keep shares positive); a step
+ * that lowers the likelihood is taken back. */
 #include "contacts/radii/pair_statistics.h"
 
 #include <float.h>

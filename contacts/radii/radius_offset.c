@@ -1,3 +1,12 @@
+/* The correction c moves every overlap x_p by c lever_p. For a row of trial c the density of pair_statistics.h is
+ * fitted to the moved overlaps, and its likelihood L(c), summed over the pairs above the fixed cut, is a profile
+ * likelihood. With weights exp(L - L_max) over the grid, mean and standard deviation are the estimate and its error
+ * where the model holds; the grid zooms in until it resolves them. Then the error grows by what pairs share (see the
+ * header), by the model's own error (from simulations, MODEL_ERROR and the like), and by what other readings of the
+ * same overlaps would give.
+ *
+ * An edge that is as likely when blurred by UNSHARP of the mean overlap is none: nothing is decided then, with the
+ * reason. */
 #include "contacts/radii/radius_offset.h"
 
 #include <stdlib.h>

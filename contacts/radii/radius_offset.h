@@ -32,6 +32,8 @@ struct radius_correction {
 };
 
 /* loaded: what the overlaps times their branches add up to, m2 (loaded_overlaps.h); 0: not known. */
+/* The pairs are near ones, gaps included, of the radii as they are (candidates_between_grains). 0 also where nothing is
+ * decided (correction->why); -1 when memory is gone. */
 int radius_correction_estimate(const struct grains *grains, const struct pairs *pairs,
                                const struct overlap_choice *choice, double loaded,
                                struct radius_correction *correction);

@@ -1,3 +1,8 @@
+/* Four lines from eight numbers. The corners of the scene tell where the sides are to some tenths of a pixel; the
+ * grains that lean on a side tell it better. In a later state the lines move with their markers or, without any, with
+ * the grains that lay on them, and are refined again.
+ *
+ * Corners are where neighbouring lines meet. Discs on the corners sit there, with the mean error of the two lines. */
 #include "contacts/walls/frame.h"
 
 #include <stdio.h>
@@ -11,12 +16,6 @@ enum { SIDES = 4 };
 static const char *const side_names[SIDES] = {"bottom", "right", "top", "left"};
 static const char *const corner_names[SIDES] = {"bottom-left", "bottom-right", "top-right", "top-left"};
 static const int corner_order[SIDES] = {CORNER_BOTTOM_LEFT, CORNER_BOTTOM_RIGHT, CORNER_TOP_RIGHT, CORNER_TOP_LEFT};
-
-static struct vec lines_meet(const struct wall_line *a, const struct wall_line *b)
-{
-    double t = vec_cross(vec_sub(b->middle, a->middle), b->along) / vec_cross(a->along, b->along);
-    return vec_add(a->middle, vec_scale(t, a->along));
-}
 
 /* Corner k of the frame in the reference photo, its lens undone, m. */
 static struct vec corner_at(const struct frame_request *request, int k)
@@ -68,6 +67,11 @@ static int current_lines(const struct frame_request *request, struct wall_line l
     return 0;
 }
 
+static struct vec corner_of(const struct wall_line *a, const struct wall_line *b)
+{
+    return vec_meet(a->middle, a->along, b->middle, b->along);
+}
+
 static int fill_walls(const struct scene *scene, const struct wall_line lines[SIDES], struct walls *walls)
 {
     double radius = scene->frame.corner_radius_px > 0 ? scene->frame.corner_radius_px * scene->scale : 0;
@@ -76,8 +80,8 @@ static int fill_walls(const struct scene *scene, const struct wall_line lines[SI
     if (table_alloc(&WALLS, walls, radius > 0 ? 2 * SIDES : SIDES, columns))
         return -1;
     for (int k = 0; k < SIDES; k++) {
-        struct vec from = lines_meet(&lines[(k + SIDES - 1) % SIDES], &lines[k]);
-        struct vec to = lines_meet(&lines[k], &lines[(k + 1) % SIDES]);
+        struct vec from = corner_of(&lines[(k + SIDES - 1) % SIDES], &lines[k]);
+        struct vec to = corner_of(&lines[k], &lines[(k + 1) % SIDES]);
         snprintf(walls->name[k], NAME_LENGTH, "%s", side_names[k]);
         walls->x0[k] = from.x;
         walls->y0[k] = from.y;
@@ -126,11 +130,6 @@ void frame_free(struct frame *frame)
     table_free(&WALLS, &frame->reference);
 }
 
-static struct vec middle_of(const struct walls *walls, size_t w)
-{
-    return vec(0.5 * (walls->x0[w] + walls->x1[w]), 0.5 * (walls->y0[w] + walls->y1[w]));
-}
-
 void frame_motion(struct walls *walls, const struct walls *before)
 {
     for (size_t w = 0; w < walls->count; w++) {
@@ -138,7 +137,7 @@ void frame_motion(struct walls *walls, const struct walls *before)
         walls->dx[w] = walls->dy[w] = walls->dangle[w] = NAN;
         if (old < 0)
             continue;
-        struct vec moved = vec_sub(middle_of(walls, w), middle_of(before, (size_t)old));
+        struct vec moved = vec_sub(wall_middle(walls, w), wall_middle(before, (size_t)old));
         struct vec was = wall_direction(before, (size_t)old), is = wall_direction(walls, w);
         walls->dx[w] = moved.x;
         walls->dy[w] = moved.y;

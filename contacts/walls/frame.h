@@ -4,7 +4,7 @@
 #ifndef CONTACTS_FRAME_H
 #define CONTACTS_FRAME_H
 
-#include "contacts/network/support.h"
+#include "contacts/walls/support.h"
 #include "pipeline/scene/lens.h"
 #include "pipeline/packing/patches.h"
 #include "pipeline/scene/scene.h"
@@ -26,6 +26,7 @@ struct frame {
     double s_motion[8]; /* m: standard error of each wall's motion along its normal since the reference */
 };
 
+/* The walls in the reference and now. 0, or -1 when memory is gone; to be freed. */
 int frame_walls(const struct frame_request *request, struct frame *frame);
 void frame_free(struct frame *frame); /* accepts a zeroed struct */
 

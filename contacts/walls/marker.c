@@ -1,3 +1,6 @@
+/* Markers are rigid with their wall. Its shift is the mean of their shifts, its rotation the weighted mean of two
+ * independent measurements: the mean of their own rotations, and what their shifts say about their mean position, sum
+ * (r x d) / sum r^2 (least squares for a small rotation; y up, counter-clockwise). */
 #include "contacts/walls/marker.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef CONTACTS_MARKER_H
 #define CONTACTS_MARKER_H
 
-#include "contacts/network/support.h"
+#include "contacts/walls/support.h"
 #include "pipeline/packing/patches.h"
 #include "pipeline/scene/scene.h"
 

@@ -1,3 +1,10 @@
+/* From a rough place to a rim by sampling consensus. Along 96 rays the steepest falls are candidates for the edge, up
+ * to three each, because specks fall too. Three edges determine a circle; of the circles drawn that is kept which has
+ * the most rays whose edge lies on it, weighted by the fall. Then some Gauss-Newton steps on its supporters.
+ *
+ * A draw succeeds when all three edges belong to the rim: with a share w of such edges, log(1 - p) / log(1 - w^3) draws
+ * find it with probability p (Fischler and Bolles, eq. 4). Numbers are drawn by a key per place: the same circle
+ * whatever the threads do. */
 #include "findgrains/capture/capture.h"
 
 #include "pipeline/numbers/random.h"
@@ -112,6 +119,7 @@ static void scan_rays(const struct level *level, const struct rim *place, double
     }
 }
 
+/* The circle through three points: its centre is where two perpendicular bisectors meet. 0 when they lie on a line. */
 static int circle_through(const struct ray_edge *a, const struct ray_edge *b, const struct ray_edge *c, struct rim *rim)
 {
     double bx = b->x - a->x, by = b->y - a->y, cx = c->x - a->x, cy = c->y - a->y, det = 2 * (bx * cy - by * cx);

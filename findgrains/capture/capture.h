@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "findgrains/look/level.h"
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 
 /* `place`: a rough rim in level coordinates; `key`: of the random numbers; a
  * grain is brighter than the void by `least_contrast` at least. 1: *found holds a rim in level coordinates

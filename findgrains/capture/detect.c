@@ -1,9 +1,17 @@
+/* Octave by octave of the radius, from the largest down; within an octave window by window, at a pixel with which its
+ * smallest radius is DETECT_VOTE_RADIUS pixels while voting and twice that while capturing: cost and memory per octave
+ * do not depend on the size of the grains.
+ *
+ * What looks like a grain within a grain is the danger: speckle makes circles of any size. Three rules stand against
+ * it. A sure grain covers its pixels for all smaller octaves; a candidate must be supported better the smaller it is
+ * (candidates_merit); and the search ends with the first octave in which hardly any likely circle stands its ground
+ * against those found. */
 #include "findgrains/capture/detect.h"
 
-#include "findgrains/capture/circle_candidates.h"
+#include "findgrains/capture/votes.h"
 #include "findgrains/capture/capture.h"
 #include "findgrains/look/level.h"
-#include "findgrains/rims/polish.h"
+#include "findgrains/capture/polish.h"
 #include "pipeline/speak/error.h"
 
 #include <math.h>

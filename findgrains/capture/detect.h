@@ -3,7 +3,7 @@
 #ifndef FINDGRAINS_DETECT_H
 #define FINDGRAINS_DETECT_H
 
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/candidates.h"
 #include "findgrains/look/threshold.h"
 
 #define DETECT_OVERLAP 0.88    /* centres of two grains are at least this share of R_i + R_j apart */
@@ -15,7 +15,8 @@
  * is put there. `peaks` counts the places that were looked at. */
 int detect_grains(const struct photo *photo, const struct zone *zone, const struct grey_levels *levels, double range[2],
                   struct candidates *found, size_t *peaks);
-/* The same at another pixel of the votes: speed against error. */
+/* The same at another pixel of the votes (vote_radius: pixels of the smallest radius of an octave): speed against
+ * error, for benches. */
 int detect_grains_at(double vote_radius, const struct photo *photo, const struct zone *zone,
                      const struct grey_levels *levels, double range[2], struct candidates *found, size_t *peaks);
 

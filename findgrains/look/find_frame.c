@@ -1,5 +1,10 @@
 /* Each side by search among lines through two outermost points of rims (Fischler and Bolles, CACM 24 (1981) 381), then
- * least squares over the grains that touch it. */
+ * least squares over the grains that touch it.
+ *
+ * A side is written e = offset + slope t, t along the side and e outwards. Candidates are the outermost few rims of
+ * each of 64 strips across the specimen, all pairs of them make lines, and a line counts the rims that it touches less
+ * three for each that lies behind it: a wall has grains on one side only. Errors are the larger of the residuals' and
+ * the jackknife's. */
 #include "findgrains/look/find_frame.h"
 
 #include "pipeline/numbers/quantiles.h"
@@ -236,8 +241,7 @@ static void join(const struct side sides[4], int k, struct found_frame *frame)
     struct vec p, u, q, v;
     line_of(&sides[before], before, &p, &u);
     line_of(&sides[k], k, &q, &v);
-    double run = vec_cross(vec_sub(q, p), v) / vec_cross(u, v);
-    struct vec corner = vec_add(p, vec_scale(run, u));
+    struct vec corner = vec_meet(p, u, q, v);
     double s_before = error_at(&sides[before], vec_dot(corner, vec_turn(outward_of(before))));
     double s_this = error_at(&sides[k], vec_dot(corner, vec_turn(outward_of(k))));
     frame->corners[k] = corner;

@@ -15,7 +15,9 @@ struct found_frame {
     int touching[4];        /* grains that lean against top, right, bottom, left */
 };
 
-/* From rims in photo coordinates. Not found (no error) unless each side has grains leaning against it. */
+/* From rims in photo coordinates (x_px y_px radius_px flags; shape_c shape_s where there), flagged ones left out. Not
+ * found (no error) unless each side has six or more grains leaning against it, over half the specimen's width. 0, or -1
+ * when memory is gone. */
 int find_frame(const struct photo_grains *grains, struct found_frame *frame);
 /* Flags what lies behind the frame as cut (labels, screws). */
 void find_frame_flag(const struct zone *zone, struct photo_grains *grains);

@@ -1,3 +1,6 @@
+/* The photo at another pixel, its area averaged: blur and noise fall with the pixel, so that one set of rules in level
+ * pixels serves grains of every size. Magnified photos are interpolated (cubic); they show nothing new, but radii of a
+ * few pixels are then told apart by whole level pixels. */
 #include "findgrains/look/level.h"
 
 #include "findgrains/look/opencv_shim.h"

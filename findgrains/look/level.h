@@ -5,6 +5,8 @@
 #include "pipeline/scene/photo.h"
 #include "findgrains/look/zone.h"
 
+/* Level coordinates count level pixels; pixel (i, j) of the level is centred at (x0 + i scale, y0 + j scale) of the
+ * photo. */
 struct level {
     int width, height;
     double scale;  /* photo pixels per level pixel */
@@ -12,7 +14,9 @@ struct level {
     float *pixels;
 };
 
-/* The zone at about `scale` (a whole number from 1 on); outside the zone: `outside`. */
+/* The zone at about `scale` photo pixels per pixel (a whole number from 1 on, else the inverse of one); outside the
+ * zone: `outside`, grey levels. 0, or -1 with a line: the zone is smaller than 4 level pixels (EXIT_INPUT), memory is
+ * gone. To be freed. */
 int level_make(const struct photo *photo, const struct zone *zone, double scale, double outside, struct level *level);
 /* The same picture at `factor` times coarser pixels. */
 int level_shrink(const struct level *from, int factor, struct level *to);

@@ -1,4 +1,5 @@
-/* The few OpenCV functions that help, behind a C interface. Whatever OpenCV throws becomes an error line and -1. */
+/* The few OpenCV functions that help, behind a C interface. Whatever OpenCV throws becomes an error line and -1. Rows
+ * of floats follow each other without gaps; nothing is allocated for the caller. */
 #ifndef FINDGRAINS_OPENCV_SHIM_H
 #define FINDGRAINS_OPENCV_SHIM_H
 

@@ -1,4 +1,7 @@
-/* Otsu, IEEE Trans. SMC 9 (1979) 62-66: the threshold that maximises the variance between two classes. */
+/* Grey levels by Otsu (IEEE Trans. SMC 9 (1979) 62-66): the threshold that maximises the variance between two classes,
+ * w (1 - w) (mean_1 - mean_0)^2 with w the share below. Levels of voids and grains are medians of the two classes,
+ * which specks on the grains and light between them hardly move. Where a valley without pixels gives a row of equal
+ * maxima its middle is taken. */
 #include "findgrains/look/threshold.h"
 
 #include "pipeline/speak/error.h"

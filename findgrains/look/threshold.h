@@ -14,7 +14,8 @@ struct grey_levels {
     double noise;       /* of a pixel: from second differences along rows, fine texture included */
 };
 
-/* Levels of the pixels in the zone (every pixel of a coarse grid when the photo is large). */
+/* Levels of the pixels in the zone (every pixel of a coarse grid when the photo is large). A photo of one grey has
+ * separation 0 and no levels: no error. 0, or -1 when memory is gone. */
 int threshold_find(const struct photo *photo, const struct zone *zone, struct grey_levels *levels);
 
 #endif

@@ -1,3 +1,6 @@
+/* The zone is what lies on the inner side of four straight lines and outside the discs at the corners. y points down,
+ * so that corners in the order top-left, top-right, bottom-right, bottom-left go clockwise as seen and a quarter turn
+ * of a side points inwards. */
 #include "findgrains/look/zone.h"
 
 #include "pipeline/speak/error.h"

@@ -1,3 +1,15 @@
+/* Least squares of many small systems that share their columns. Each pixel of the annulus adds its products to the sums
+ * of its sector; when all pixels are through, every sector's normal equations are ready, and each is solved on its own.
+ * So a pixel is touched once however many columns there are, and the profile is looked up, not computed.
+ *
+ * Priors are rows of the system: the texture terms T_1, T_2 with weight 1 / texture^2, the void's level B with the
+ * weight (noise / void_spread)^2. The SHIFT column is phi(t) / s, the derivative of the edge with respect to an outward
+ * shift, so that its coefficient over the step is the shift in px; the second right-hand side e_SHIFT gives the
+ * diagonal of the inverse, which is the shift's variance per variance of a pixel.
+ *
+ * A neighbour whose blurred edge reaches in adds an edge of unknown height (column NEIGHBOUR). Pixels inside it or
+ * beyond the frame are left out, and a sector whose rim lies too near to either is hidden: it tells nothing of this
+ * grain. */
 #include "findgrains/rims/edge_fit.h"
 
 #include "findgrains/rims/edge_profile.h"
@@ -36,18 +48,6 @@ enum { AHEAD = 6 };       /* rows */
 #define INSIDE_OTHER 1.0 /* blurs: pixels deeper than this inside a neighbour are left out */
 #define OUTSIDE_ZONE 1.0 /* blurs: pixels nearer than this to the frame are left out */
 
-double rim_radius_at(const struct rim *rim, double c, double s)
-{
-    return rim->radius + rim->c2 * (c * c - s * s) + rim->s2 * 2 * c * s;
-}
-
-int rim_is_possible(const struct photo *photo, const struct rim *rim)
-{
-    double diagonal = hypot(photo->width, photo->height);
-    return rim->radius > 0 && rim->radius <= diagonal && fabs(rim->x) <= 2 * diagonal && fabs(rim->y) <= 2 * diagonal &&
-           fabs(rim->c2) + fabs(rim->s2) <= diagonal; /* NaN is not */
-}
-
 void edge_work_free(struct edge_work *work)
 {
     free(work->sectors);
@@ -75,6 +75,7 @@ static int make_room(struct edge_work *work, int count)
     return 0;
 }
 
+/* What one rim asks of the pixels around it. */
 struct annulus {
     const struct photo *photo;
     const struct zone *zone;

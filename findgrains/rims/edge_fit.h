@@ -18,7 +18,7 @@
 #include <stddef.h>
 
 #include "pipeline/scene/photo.h"
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/rim.h"
 #include "findgrains/look/zone.h"
 
 struct edge_settings {
@@ -53,15 +53,10 @@ struct edge_work {
 };
 void edge_work_free(struct edge_work *work);
 
-/* Fill work->sectors for the rim, which is possible; `others` are the rims near it. */
+/* Fill work->sectors (work->count of them, from theta = -pi on) for the rim, which is possible; `others` are the rims
+ * near it, whose edges may reach into its annulus. A sector that cannot be fitted is not `used`. 0, or -1 when memory
+ * is gone. `work` is a thread's own, zeroed before its first use. */
 int edge_fit(const struct photo *photo, const struct zone *zone, const struct rim *rim, const struct rim *others,
              size_t other_count, const struct edge_settings *settings, struct edge_work *work);
-
-/* Can the photo show some of it? Not when it is larger than the photo, or further away, or no number: whoever measures
- * pixels along a rim asks this first. */
-int rim_is_possible(const struct photo *photo, const struct rim *rim);
-
-/* r(theta) of a rim. */
-double rim_radius_at(const struct rim *rim, double cos_theta, double sin_theta);
 
 #endif

@@ -1,3 +1,5 @@
+/* Phi(-t) = erfc(t / sqrt 2) / 2, and differences of it: a layer between two depths below the rim, blurred, is the
+ * difference of two edges. */
 #include "findgrains/rims/edge_profile.h"
 
 #include <math.h>

@@ -1,3 +1,9 @@
+/* The order matters: a blur that is a guess makes wrong steps, a place that is a guess makes a wrong blur. So a sample
+ * approaches with small steps, tells the blur, then circles or ellipses, texture and band, then the blur again, now
+ * that texture is known to widen edges; only then all rims are fitted.
+ *
+ * Circles or ellipses: for circles the fitted second harmonics over their errors have a mean square of 1; where the
+ * sample's exceeds ELLIPSES_SHOW the rods are not round and all are fitted with shapes. */
 #include "findgrains/rims/measure.h"
 
 #include "findgrains/capture/detect.h"

@@ -2,7 +2,7 @@
 #ifndef FINDGRAINS_MEASURE_H
 #define FINDGRAINS_MEASURE_H
 
-#include "findgrains/find_grains.h"
+#include "findgrains/find_options.h"
 #include "findgrains/rims/refine_all.h"
 
 #define MEASURE_LEAST_SUPPORT 0.25 /* share of a rim that the fine fit needs */

@@ -1,3 +1,11 @@
+/* All rims, round by round: in a round each is fitted with its neighbours where they were in the round before, in
+ * parallel, and all move together (Jacobi, not Gauss-Seidel), so that the outcome does not depend on the order. Two
+ * rims that touch see each other's edge; some rounds bring them to rest. What still swings after PATIENCE rounds takes
+ * shorter steps.
+ *
+ * What the fits need to know of the photo is learnt from a sample of the larger rims: the blur as the b that vanishes
+ * (edge_fit.h), texture and band as those with which radii have the smallest standard errors, neighbouring sectors'
+ * correlation r_1, r_2, ... as the factor sqrt(1 + 2 sum r) on standard errors. */
 #include "findgrains/rims/refine_all.h"
 
 #include "pipeline/numbers/quantiles.h"

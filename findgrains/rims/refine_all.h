@@ -2,15 +2,18 @@
 #ifndef FINDGRAINS_REFINE_ALL_H
 #define FINDGRAINS_REFINE_ALL_H
 
+#include "findgrains/capture/candidates.h"
 #include "findgrains/rims/refine_circle.h"
 #include "findgrains/look/threshold.h"
 
+/* The rims of a photo while they are measured. */
 struct rims {
     struct refined *items;
     struct candidate *origin; /* where each comes from; origin[k].spread: px, how far it may still be off */
     size_t count;
 };
 
+/* What is known of the photo so far. */
 struct rims_state {
     double blur, window, sector;           /* px */
     double least_step;                     /* grey levels */

@@ -1,6 +1,11 @@
 /* Tukey's biweight (Beaton and Tukey, Technometrics 16 (1974) 147) by iterated weighted least squares; standard errors
  * of M-estimators (Huber, Robust Statistics (1981), section 7.6). Sectors differ in their formal variance (short
- * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness. */
+ * contrast, few pixels) and share an additional variance tau^2 from specks, rings and roughness.
+ *
+ * The shifts y_k of sectors at theta_k are fitted by dR + dx cos + dy sin (+ dc cos 2 + ds sin 2), with weights trust_k
+ * w(r_k / sigma_k) / sigma_k^2, sigma_k^2 = formal_k + tau^2, w(t) = (1 - (t / c)^2)^2 inside c and 0 outside, after a
+ * first round without w. tau^2 is what the median of |r| says beyond the formal variances. The covariance is the
+ * sandwich D^-1 M D^-1 with D = sum of psi' x x', M = sum of psi^2 x x', and n / (n - p) for the parameters. */
 #include "findgrains/rims/refine_circle.h"
 
 #include "pipeline/numbers/dense.h"
@@ -11,12 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_PIVOT 1e-9 /* of its diagonal element */
 enum { TERMS = 5, ROUNDS = 6, LAGS = 8 };
 #define MAD_TO_SD 1.4826
 /* Edges at random places in the band scatter by 0.74 of its half width (MAD of a uniform distribution): no rim. */
 #define CHANCE 0.5
 #define MOST_TRUST 1.5
+#define SINGULAR 1e-9
 
 struct fit {
     struct sector *sectors; /* all of them, used or not */
@@ -52,12 +57,13 @@ static int fit_alloc(struct fit *fit, const struct edge_work *work, double tukey
     return 0;
 }
 
-static double median_over(struct fit *fit, size_t member)
+/* Median over the sectors in use of a number that stands `apart` bytes behind that of the sector before. */
+static double median_of_used(struct fit *fit, const double *first, size_t apart)
 {
     size_t n = 0;
     for (int k = 0; k < fit->count; k++)
         if (fit->sectors[k].used)
-            fit->scratch[n++] = *(const double *)(const void *)((const char *)&fit->sectors[k] + member);
+            fit->scratch[n++] = *(const double *)(const void *)((const char *)first + (size_t)k * apart);
     return median_of(fit->scratch, n);
 }
 
@@ -66,8 +72,8 @@ static double median_over(struct fit *fit, size_t member)
  * the rim); weights in proportion to the step make of the mean of quotients a quotient of sums, which does not lean. */
 static double set_variances(struct fit *fit)
 {
-    double noise2 = fmax(median_over(fit, offsetof(struct sector, residual)), 1e-12);
-    double step = median_over(fit, offsetof(struct sector, step));
+    double noise2 = fmax(median_of_used(fit, &fit->sectors->residual, sizeof *fit->sectors), 1e-12);
+    double step = median_of_used(fit, &fit->sectors->step, sizeof *fit->sectors);
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         double share = sector->used ? sector->step / step : 1;
@@ -91,7 +97,7 @@ static double tukey_slope(double t, double tukey)
 
 static int weighted_step(struct fit *fit, int robust)
 {
-    double m[TERMS][TERMS] = {{0}}, right[TERMS] = {0};
+    double inverse[TERMS][TERMS] = {{0}}, right[TERMS] = {0};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -102,15 +108,15 @@ static int weighted_step(struct fit *fit, int robust)
         for (int i = 0; i < fit->terms; i++) {
             right[i] += weight * row[i] * fit->sectors[k].shift;
             for (int j = 0; j < fit->terms; j++)
-                m[i][j] += weight * row[i] * row[j];
+                inverse[i][j] += weight * row[i] * row[j];
         }
     }
-    if (dense_invert(&m[0][0], (size_t)fit->terms, TERMS, LEAST_PIVOT))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     for (int i = 0; i < fit->terms; i++) {
         fit->parameters[i] = 0;
         for (int j = 0; j < fit->terms; j++)
-            fit->parameters[i] += m[i][j] * right[j];
+            fit->parameters[i] += inverse[i][j] * right[j];
     }
     return 1;
 }
@@ -123,15 +129,6 @@ static void set_residuals(struct fit *fit)
             model += fit->parameters[i] * fit->row[(size_t)k * TERMS + (size_t)i];
         fit->residual[k] = fit->sectors[k].shift - model;
     }
-}
-
-static double median_variance(struct fit *fit)
-{
-    size_t n = 0;
-    for (int k = 0; k < fit->count; k++)
-        if (fit->sectors[k].used)
-            fit->scratch[n++] = fit->variance[k];
-    return median_of(fit->scratch, n);
 }
 
 /* Robust standard deviation of the residuals; sets the shared variance tau^2. */
@@ -150,7 +147,7 @@ static double set_scatter(struct fit *fit, double formal2)
 /* D^-1 (sum b^2 psi^2 x x') D^-1 n / (n - p), D = sum b psi' x x'. */
 static int set_covariance(struct fit *fit)
 {
-    double slope[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}};
+    double inverse[TERMS][TERMS] = {{0}}, meat[TERMS][TERMS] = {{0}};
     for (int k = 0; k < fit->count; k++) {
         if (!fit->sectors[k].used)
             continue;
@@ -160,11 +157,11 @@ static int set_covariance(struct fit *fit)
         const double *row = fit->row + (size_t)k * TERMS;
         for (int i = 0; i < fit->terms; i++)
             for (int j = 0; j < fit->terms; j++) {
-                slope[i][j] += d * row[i] * row[j];
+                inverse[i][j] += d * row[i] * row[j];
                 meat[i][j] += e * row[i] * row[j];
             }
     }
-    if (dense_invert(&slope[0][0], (size_t)fit->terms, TERMS, LEAST_PIVOT))
+    if (dense_invert(&inverse[0][0], (size_t)fit->terms, TERMS, SINGULAR))
         return 0;
     double spare = (double)fit->used / (fit->used - fit->terms);
     for (int i = 0; i < fit->terms; i++)
@@ -172,7 +169,7 @@ static int set_covariance(struct fit *fit)
             double sum = 0;
             for (int k = 0; k < fit->terms; k++)
                 for (int l = 0; l < fit->terms; l++)
-                    sum += slope[i][k] * meat[k][l] * slope[l][j];
+                    sum += inverse[i][k] * meat[k][l] * inverse[l][j];
             fit->covariance[i][j] = spare * sum;
         }
     return 1;
@@ -196,16 +193,13 @@ static void add_lags(const struct fit *fit, struct refined *refined)
 static void describe(struct fit *fit, struct refined *refined)
 {
     int near = 0, hidden = 0;
-    size_t n = 0;
     for (int k = 0; k < fit->count; k++) {
         const struct sector *sector = &fit->sectors[k];
         hidden += sector->hidden;
-        if (!sector->used)
-            continue;
-        near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
-        fit->scratch[n++] = sector->blur_error;
+        if (sector->used)
+            near += tukey_weight(fit->residual[k] / sqrt(fit->variance[k] + fit->tau2), fit->tukey) > 0;
     }
-    refined->blur_error = median_of(fit->scratch, n);
+    refined->blur_error = median_of_used(fit, &fit->sectors->blur_error, sizeof *fit->sectors);
     refined->support = (double)near / fit->count;
     refined->hidden = (double)hidden / fit->count;
     refined->s_radius = sqrt(fit->covariance[0][0]);
@@ -234,7 +228,7 @@ static void move(const struct fit *fit, double damping, struct refined *refined)
 static int fit_curve(struct fit *fit, struct refined *refined)
 {
     refined->noise = set_variances(fit);
-    double formal2 = median_variance(fit);
+    double formal2 = median_of_used(fit, fit->variance, sizeof *fit->variance);
     refined->formal = sqrt(formal2);
     if (!weighted_step(fit, 0))
         return 0;

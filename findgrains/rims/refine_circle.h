@@ -18,7 +18,9 @@ struct refined {
     int sectors;                        /* used */
 };
 
-/* One iteration from refined->rim: edges, then the curve. 0 with refined->support == 0 when no curve is determined. */
+/* One iteration from refined->rim: edges, then the curve, and a step of settings->damping times the shift. Everything
+ * else in *refined is replaced. settings->fit_blur: the rim stays, blur_error tells. `others`: rims near it; `work`: a
+ * thread's own. 0, with refined->support == 0 when no curve is determined; -1 when memory is gone. */
 int refine_circle(const struct photo *photo, const struct zone *zone, const struct rim *others, size_t other_count,
                   const struct edge_settings *settings, int ellipse, struct edge_work *work, struct refined *refined);
 

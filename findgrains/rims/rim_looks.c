@@ -1,7 +1,10 @@
+/* Flags from profiles along rays. A camera that does not stand straight in front of a rod sees its flank beside the
+ * face: a plateau darker than the face and brighter than the void, on one side. The rim then is that of the face, and
+ * right; but forces from overlaps across a flank should be looked at. */
 #include "findgrains/rims/rim_looks.h"
 
 #include "findgrains/rims/edge_fit.h"
-#include "findgrains/rims/rim_sample.h"
+#include "findgrains/look/grey.h"
 
 #include <math.h>
 
@@ -29,13 +32,13 @@ static int ray_shows_flank(const struct photo *photo, const struct rim *rim, dou
         return 0;
     int count = 0;
     for (double r = first; r < first + PLATEAU; r += 0.5, count++)
-        level += (sample_grey(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
+        level += (grey_at(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
     level /= count;
     if (level < faintest || level > BRIGHTEST)
         return 0;
     double before = level;
     for (double r = first + PLATEAU; r < last; r += 1) {
-        double now = (sample_grey(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
+        double now = (grey_at(photo, rim->x + r * c, rim->y + r * s) - void_level) / contrast;
         if (0.5 * (now + before) < VOID_AGAIN)
             return 1;
         if (now > level + FAINTEST)
@@ -59,6 +62,8 @@ int rim_shows_flank(const struct photo *photo, const struct rim *rim, const stru
     return count >= LEAST_SHARE * RAYS && hypot(x, y) >= LEAST_SIDED * count;
 }
 
+/* The edge of a clipped grain is cut off at the top, and its half level seems to lie further out. Looked at two to four
+ * blurs below the rim, where the grain has its own level. */
 int rim_is_saturated(const struct photo *photo, const struct rim *rim, double blur)
 {
     int end = photo->bits > 0 && photo->bits < 16 ? (1 << photo->bits) - 1 : 65535, full = 0, seen = 0;

@@ -3,7 +3,7 @@
 #define FINDGRAINS_RIM_LOOKS_H
 
 #include "pipeline/scene/photo.h"
-#include "findgrains/rims/rim.h"
+#include "findgrains/capture/rim.h"
 #include "findgrains/look/threshold.h"
 
 /* The flank of the rod beside its face, as a camera sees it that does not stand straight in front: behind the rim, on

@@ -1,3 +1,6 @@
+/* Rows in reading order, so that the same photo gives the same numbers to the same grains. Standard errors are those of
+ * the fit times the photo's correlation factor; a row that the fine fit could not measure has what its capture was good
+ * for. */
 #include "findgrains/rims/rims_table.h"
 
 #include "findgrains/rims/measure.h"

@@ -25,6 +25,7 @@
 #include "pipeline/speak/progress.h"
 #include "pipeline/scene/scene.h"
 #include "pipeline/speak/text.h"
+#include "pipeline/speak/version.h"
 
 static FILE *log_file;
 static const char *log_path;
@@ -212,7 +213,7 @@ void cli_parse(const struct program *program, int argc, char **argv)
     list_options(program->rows, OWN, own);
     list_options(shared, SHARED, common);
     argv[0] = program_invocation_short_name;
-    snprintf(version, sizeof version, "%.60s (film) " FILM_VERSION, argv[0]);
+    snprintf(version, sizeof version, "%.60s (film) %s", argv[0], film_version);
     argp_program_version = version;
     argp_err_exit_status = EXIT_USAGE;
     new_file_remove_on_signals();

@@ -6,6 +6,7 @@
 
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/speak/version.h"
 
 int cli_command(const char *program, const char *what, const struct subcommand *commands, int argc, char **argv)
 {
@@ -18,7 +19,7 @@ int cli_command(const char *program, const char *what, const struct subcommand *
         return EXIT_DONE;
     }
     if (!strcmp(word, "--version")) {
-        printf("%s (film) " FILM_VERSION "\n", program);
+        printf("%s (film) %s\n", program, film_version);
         return EXIT_DONE;
     }
     for (; commands->name; commands++)

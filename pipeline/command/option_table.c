@@ -85,7 +85,7 @@ static void print_default(const struct option_row *row, const void *options, cha
         snprintf(text, size, "default %.*g", is_whole(row) ? WHOLE_DIGITS : DIGITS, number_of(row, options));
     else if (row->type == OPTION_CHOICE && *(const int *)member >= 0)
         snprintf(text, size, "default %s", row->words[*(const int *)member]);
-    else if (row->type == OPTION_TEXT && *(const char *const *)member)
+    else if (row->type == OPTION_TEXT && *(const char *const *)member && **(const char *const *)member)
         snprintf(text, size, "default %s", *(const char *const *)member);
 }
 

@@ -80,4 +80,10 @@ static inline struct vec vec_unit(struct vec a)
     return norm > 0 ? vec_scale(1 / norm, a) : a;
 }
 
+/* Where the line through p along u meets that through q along v; not finite for parallels. */
+static inline struct vec vec_meet(struct vec p, struct vec u, struct vec q, struct vec v)
+{
+    return vec_add(p, vec_scale(vec_cross(vec_sub(q, p), v) / vec_cross(u, v), u));
+}
+
 #endif

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+const char *const VERDICT_NAMES[] = {"", "balanced", "doubtful", "void", NULL};
+
 #define DOUBLE(member, units, text) COLUMN(struct contact_forces, member, COLUMN_DOUBLE, units, text)
 static const struct column force_columns[] = {
     DOUBLE(fn, "N", "normal force on j from i, compression positive"),

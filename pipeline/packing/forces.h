@@ -46,6 +46,10 @@ struct walk_summary {
     double range[2];    /* over <fn> */
 };
 
+/* What the forces are worth (packing/verdict.h); the attribute is the word in VERDICT_NAMES. */
+enum verdict { VERDICT_UNKNOWN, VERDICT_BALANCED, VERDICT_DOUBTFUL, VERDICT_VOID };
+extern const char *const VERDICT_NAMES[]; /* "" "balanced" "doubtful" "void", NULL at the end */
+
 /* One group /forces/METHOD. */
 struct forces {
     char method[NAME_LENGTH]; /* "cem" "qsm" "cdm" "map" "series"; truth: "dem" */
@@ -54,7 +58,10 @@ struct forces {
     struct residuals residual;
     struct rays ray; /* empty unless infeasible */
     int iterations;
-    int converged;
+    int converged;    /* imbalance <= tolerance, and the loads themselves balance (packing/verdict.h) */
+    double tolerance; /* of the imbalance, by which this method is judged; NaN: not said */
+    enum verdict verdict;
+    char reasons[1000];    /* why, in words; "" when balanced */
     int infeasible;        /* proved: no admissible forces balance the loads */
     double imbalance;      /* attribute `residual`: largest unbalanced component (moments over radius) / <fn> */
     double imbalance_mean; /* attribute `residual_mean`: that of each grain, in the mean */

@@ -34,11 +34,6 @@ struct reactions {
     struct vec middle; /* of the specimen */
 };
 
-static struct vec wall_middle(const struct walls *walls, size_t w)
-{
-    return vec(0.5 * (walls->x0[w] + walls->x1[w]), 0.5 * (walls->y0[w] + walls->y1[w]));
-}
-
 /* 0: the normal is nearest to x, 1: to y. */
 static int wall_axis(const struct walls *walls, size_t w)
 {

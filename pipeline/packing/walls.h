@@ -35,6 +35,12 @@ static inline struct vec wall_direction(const struct walls *walls, size_t w)
     return vec_unit(vec(walls->x1[w] - walls->x0[w], walls->y1[w] - walls->y0[w]));
 }
 
+/* Middle of a segment, centre of a disc. */
+static inline struct vec wall_middle(const struct walls *walls, size_t w)
+{
+    return vec(0.5 * (walls->x0[w] + walls->x1[w]), 0.5 * (walls->y0[w] + walls->y1[w]));
+}
+
 /* Unit normal of a segment, pointing into the specimen. */
 static inline struct vec wall_inward(const struct walls *walls, size_t w)
 {

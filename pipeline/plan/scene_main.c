@@ -1,168 +1,78 @@
-#include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
-
 #include "pipeline/command/cli.h"
+#include "pipeline/plan/scene_commands.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/loads.h"
-#include "pipeline/scene/scene.h"
-#include "pipeline/scene/scene_part.h"
 
-enum command { CHECK, PHOTOS, SERIES, PART };
-static const char *const commands[] = {"check", "photos", "series", "part", NULL};
 /* Whose part: the stages, and the sections of simulate and render. */
-static const char *const stages[] = {"findgrains", "tracker",    "contacts", "forces",
-                                     "report",     "simulation", "optics",   NULL};
+static const char *const parts[] = {"findgrains", "tracker",    "contacts", "forces",
+                                    "report",     "simulation", "optics",   NULL};
 
 struct arguments {
     struct cli cli;
     int command; /* -1: not yet given */
-    const char *scene, *stage;
+    struct scene_words words;
 };
 
+static const char *const formats[] = {"json", "make", NULL};
+
+#define AT(field) .at = offsetof(struct arguments, field)
+static const struct option_row rows[] = {{"method", NULL, OPTION_TEXT, AT(words.plan.method), "LIST",
+                                          .help = "Methods of forces, or series; default: the scene's"},
+                                         {"start", NULL, OPTION_TEXT, AT(words.plan.start), "START",
+                                          .help = "What forces starts from; default: the scene's"},
+                                         {"format", NULL, OPTION_CHOICE, AT(words.make), "FORMAT", .words = formats,
+                                          .help = "plan: json, one object per line, or make, for the folder -o"},
+                                         {"runner", NULL, OPTION_TEXT, AT(words.plan.runner), "FILE",
+                                          .help = "plan: a program that runs every command (pipeline/stage)"},
+                                         {0}};
+
 static const char help[] =
-    "Read a scene and say what is in it.\v"
+    "Read a scene and say what is in it, what has to be made from it, and what is.\v"
     "check: is every key known, every number in its range, every file that the scene names there? Prints nothing when "
     "all is well.\n"
     "photos: index and path of every photo, one per line, separated by a tabulator.\n"
     "series: first, last and reference photo, photos per block, lens and loads: key and value, separated by a "
     "tabulator.\n"
     "part: the part of the scene that a stage's numbers depend on, as JSON; STAGE: findgrains, tracker, contacts, "
-    "forces, report, simulation or optics.\n\n"
-    "Example:\n  scene check my-test/scene.json";
+    "forces, report, simulation or optics.\n"
+    "plan: every result of the series, its command, what it is made from. Results lie in the folder -o (default: "
+    "`results` beside the scene), where the commands are to run.\n"
+    "begin: make the folder -o ready for a run: forget what was cut off, note what the scene says.\n"
+    "status: a table of what is done, flagged, failed, begun or missing.\n"
+    "results: the same, one result per line: name, state, there or absent, separated by tabulators.\n\n"
+    "Examples:\n  scene check my-test/scene.json\n  scene plan my-test/scene.json | grep 0004.forces.hdf";
 
-static int choose(const char *what, const char *text, const char *const words[], int *choice)
+static int choose(const char *what, const char *text, const char *const list[])
 {
-    *choice = option_choice(text, words);
-    return *choice < 0 ? error_context("%s %s", what, text) : 0;
+    int k = option_choice(text, list);
+    return k < 0 ? error_context("%s %s", what, text) : k;
 }
 
-static int parse(void *options)
+/* COMMAND SCENE.json, and STAGE where a part is wanted. */
+static int check(void *options)
 {
     struct arguments *arguments = options;
-    const struct cli_inputs *words = &arguments->cli.inputs;
-    int stage = 0;
-    if (choose("command", words->paths[0], commands, &arguments->command))
+    const struct cli_inputs *inputs = &arguments->cli.inputs;
+    if ((arguments->command = choose("command", inputs->paths[0], SCENE_COMMANDS)) < 0)
         return -1;
-    if (words->count != (arguments->command == PART ? 3 : 2))
-        return error_input("which scene%s? See --help", arguments->command == PART ? ", and which stage" : "");
-    if (arguments->command == PART && choose("stage", words->paths[2], stages, &stage))
+    int wanted = arguments->command == SCENE_PART ? 3 : 2;
+    if (inputs->count != (size_t)wanted)
+        return error_input("which scene%s? See --help", wanted == 3 ? ", and which stage" : "");
+    int part = wanted == 3 ? choose("stage", inputs->paths[2], parts) : 0;
+    if (part < 0)
         return -1;
-    arguments->scene = words->paths[1];
-    arguments->stage = stages[stage];
+    arguments->words.scene = inputs->paths[1];
+    arguments->words.part = parts[part];
     return 0;
-}
-
-static int check_file(const struct scene *scene, const char *path)
-{
-    if (path && access(path, R_OK))
-        return error_input("%s: names %s, which cannot be read: put it there", scene->path, path);
-    return 0;
-}
-
-static int check_loads(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    size_t count = (size_t)(photos->last - photos->first + 1);
-    int64_t *numbers = malloc(count * sizeof *numbers);
-    if (!numbers)
-        return error_memory("the numbers of the photos");
-    for (size_t k = 0; k < count; k++)
-        numbers[k] = photos->first + (int64_t)k;
-    int status = loads_check(scene->loads, numbers, count);
-    free(numbers);
-    return status;
-}
-
-static int check(const struct scene *scene)
-{
-    if (check_file(scene, scene->lens) || check_file(scene, scene->loads))
-        return -1;
-    if (scene->loads && scene->photos.pattern && check_loads(scene))
-        return -1;
-    for (long index = scene->photos.first; scene->photos.pattern && index <= scene->photos.last; index++) {
-        char *path = scene_photo_path(scene, index);
-        int status = path ? check_file(scene, path) : -1;
-        free(path);
-        if (status)
-            return -1;
-    }
-    return 0;
-}
-
-static int print_photos(const struct scene *scene)
-{
-    for (long index = scene->photos.first; index <= scene->photos.last; index++) {
-        char *path = scene_photo_path(scene, index);
-        if (!path)
-            return -1;
-        printf("%ld\t%s\n", index, path);
-        free(path);
-    }
-    return 0;
-}
-
-static int print_series(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    if (!photos->pattern)
-        return scene_lacks(scene, "photos.pattern", "write for example \"photos/{index:04d}.tif\"");
-    printf("first\t%ld\nlast\t%ld\nreference\t%ld\nblock\t%d\n", photos->first, photos->last, photos->reference,
-           photos->block);
-    if (scene->lens)
-        printf("lens\t%s\n", scene->lens);
-    if (scene->loads)
-        printf("loads\t%s\n", scene->loads);
-    return 0;
-}
-
-static int print_part(const struct scene *scene, const char *stage)
-{
-    char *text = scene_part(scene, stage);
-    if (!text)
-        return -1;
-    puts(text);
-    free(text);
-    return 0;
-}
-
-static int run(const struct arguments *arguments)
-{
-    struct scene scene;
-    int status = scene_read(arguments->scene, &scene);
-    if (status)
-        return -1;
-    switch ((enum command)arguments->command) {
-    case CHECK:
-        status = check(&scene);
-        break;
-    case PHOTOS:
-        status = print_photos(&scene);
-        break;
-    case SERIES:
-        status = print_series(&scene);
-        break;
-    case PART:
-        status = print_part(&scene, arguments->stage);
-        break;
-    }
-    scene_free(&scene);
-    return status;
 }
 
 int main(int argc, char **argv)
 {
-    struct arguments arguments = {.cli = CLI_NEEDING(0), .command = -1};
-    const struct program program = {"check SCENE.json\nphotos SCENE.json\nseries SCENE.json\npart SCENE.json STAGE",
-                                    help,
-                                    NULL,
-                                    &arguments,
-                                    NULL,
-                                    2,
-                                    3,
-                                    "which scene? See --help",
-                                    parse};
+    struct arguments arguments = {.cli = CLI_NEEDING(0), .command = -1, .words.plan = {"", "", "", "", "", 0}};
+    const char usage[] = "COMMAND SCENE.json\npart SCENE.json STAGE", asks[] = "which scene? See --help";
+    const struct program program = {usage, help, rows, &arguments, NULL, 2, 3, asks, check};
     cli_parse(&program, argc, argv);
-    return cli_finish(&arguments.cli, run(&arguments));
+    arguments.words.plan.allow_outside = arguments.cli.allow_outside;
+    if (arguments.cli.output)
+        arguments.words.plan.out = arguments.cli.output;
+    return cli_finish(&arguments.cli, scene_run((enum scene_command)arguments.command, &arguments.words));
 }

@@ -8,6 +8,7 @@
 
 #include <cjson/cJSON.h>
 
+#include "pipeline/speak/version.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/state/state_hdf.h"
@@ -281,15 +282,14 @@ static int add_input(cJSON *array, const char *path, const char *part, const cha
 {
     char *name = text_escape(basename(path)); /* JSON is UTF-8, a name need not be */
     cJSON *input = name ? cJSON_CreateObject() : NULL;
-    if (!name)
-        return error_memory("the list of inputs");
-    cJSON_AddItemToArray(array, input);
-    cJSON_AddStringToObject(input, "name", name);
+    int listed = array && cJSON_AddItemToArray(array, input);
+    int whole = listed && cJSON_AddStringToObject(input, "name", name) &&
+                (!part || cJSON_AddStringToObject(input, "part", part)) &&
+                cJSON_AddStringToObject(input, "sha256", digest);
+    if (!listed)
+        cJSON_Delete(input);
     free(name);
-    if (part)
-        cJSON_AddStringToObject(input, "part", part);
-    cJSON_AddStringToObject(input, "sha256", digest);
-    return 0;
+    return whole ? 0 : error_memory("the list of inputs");
 }
 
 static int add_file(cJSON *array, const char *path)
@@ -334,7 +334,7 @@ static int write_provenance(struct state_writer *writer, const struct provenance
     int failed = state_write_text(writer, "/", "schema", STATE_SCHEMA) ||
                  write_integer(writer, "schema_version", STATE_SCHEMA_VERSION) ||
                  state_write_text(writer, "/", "stage", provenance->stage) ||
-                 state_write_text(writer, "/", "program_version", FILM_VERSION) ||
+                 state_write_text(writer, "/", "program_version", film_version) ||
                  state_write_text(writer, "/", "parameters", provenance->parameters ? provenance->parameters : "{}") ||
                  state_write_text(writer, "/", "inputs", inputs) || write_integer(writer, "index", provenance->index) ||
                  state_write_numbers(writer, "/", "time_s", &provenance->time_s, 1);

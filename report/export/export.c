@@ -1,3 +1,5 @@
+/* One state as text. Numbers have 17 digits, which give the same double again; NaN is an empty cell in CSV and "nan" in
+ * the original programs' files. */
 #include "report/export/export.h"
 
 #include <ctype.h>
@@ -172,7 +174,7 @@ static struct vec corner(const struct walls *walls, const char *first, const cha
         return vec(NAN, NAN);
     struct vec p = vec(walls->x0[a], walls->y0[a]), u = wall_direction(walls, (size_t)a);
     struct vec q = vec(walls->x0[b], walls->y0[b]), v = wall_direction(walls, (size_t)b);
-    return vec_add(p, vec_scale(vec_cross(vec_sub(q, p), v) / vec_cross(u, v), u));
+    return vec_meet(p, u, q, v);
 }
 
 int export_conf(const struct loaded *loaded, FILE *stream)

@@ -1,4 +1,6 @@
-/* State files as the text that other programs read. Every function appends to `stream`. */
+/* State files as the text that other programs read. Every function appends to `stream` and returns 0, or -1 with a
+ * line: this kind of file has no such table (EXIT_INPUT), memory is gone. Whether the stream could be written is the
+ * caller's to ask. */
 #ifndef REPORT_EXPORT_H
 #define REPORT_EXPORT_H
 

@@ -1,3 +1,6 @@
+/* A LAMMPS dump is one block per step: its time step (here the photo's index), the number of rows, the box, the rows.
+ * The box is that of the grains' rims, 0 to 1 when there is none. A .series file is JSON that names files and times;
+ * OVITO and ParaView sort nothing, so the files are sorted by time here. */
 #include "report/export/export_series.h"
 
 #include <inttypes.h>
@@ -133,17 +136,17 @@ static int read_moment(const char *path, const char *output, struct moment *mome
     return 0;
 }
 
+/* NULL: out of memory; a list that lacks a file would be believed. */
 static char *print_moments(const struct moment *moments, size_t count)
 {
     cJSON *object = cJSON_CreateObject(), *files = cJSON_AddArrayToObject(object, "files");
-    cJSON_AddStringToObject(object, "file-series-version", "1.0");
-    for (size_t k = 0; k < count; k++) {
+    int whole = files && cJSON_AddStringToObject(object, "file-series-version", "1.0");
+    for (size_t k = 0; k < count && whole; k++) {
         cJSON *file = cJSON_CreateObject();
-        cJSON_AddStringToObject(file, "name", moments[k].name);
-        cJSON_AddNumberToObject(file, "time", moments[k].time);
-        cJSON_AddItemToArray(files, file);
+        whole = cJSON_AddItemToArray(files, file) && cJSON_AddStringToObject(file, "name", moments[k].name) &&
+                cJSON_AddNumberToObject(file, "time", moments[k].time);
     }
-    char *text = json_print(object);
+    char *text = whole ? json_print(object) : NULL;
     cJSON_Delete(object);
     return text;
 }

@@ -1,4 +1,5 @@
-/* Several states in one text: what ParaView and OVITO read as a series. */
+/* Several states in one text: what ParaView and OVITO read as a series. Every function appends to `stream` and returns
+ * 0, or -1 with a line, like export.h. */
 #ifndef REPORT_EXPORT_SERIES_H
 #define REPORT_EXPORT_SERIES_H
 

@@ -1,3 +1,5 @@
+/* A text is written beside its target and then renamed onto it (pipeline/files/new_file.h): whoever reads the target
+ * finds the old text or the new one, whole. */
 #include "report/export/text_file.h"
 
 #include <errno.h>

@@ -1,3 +1,7 @@
+/* The page from its parts, in the order in which a reader asks: is something wrong, is it right (where a truth is
+ * known), what happened, how well was it seen, the numbers, the last state, the pictures, the files. Everything is
+ * inside the file, charts as SVG and maps as PNG; a policy in its head forbids the browser to load anything else, so
+ * that a page from somebody else is harmless. */
 #include "report/page/page.h"
 
 #include <math.h>

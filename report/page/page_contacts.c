@@ -1,4 +1,6 @@
-/* Forces between states, and the last state's contacts: distribution and directions. */
+/* Forces between states, and the last state's contacts: distribution and directions. Persistence is Pearson's r between
+ * the forces of two neighbouring states over the contacts that both have: near 1 while the network holds, low where it
+ * was rearranged. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Links to the files of every state, where the page lies beside them. */
+/* Links to the files of every state, where the page lies beside them. Elsewhere the bare name stands: a page that is
+ * sent on must not tell the folders of the machine that made it. */
 #include <ctype.h>
 #include <string.h>
 

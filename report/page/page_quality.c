@@ -1,4 +1,5 @@
-/* How well the photos were read: ZNCC and standard errors through the series, and over the grains of its last photo. */
+/* How well the photos were read: ZNCC and standard errors through the series, and over the grains of its last photo.
+ * The reference compared with itself (no error, ZNCC 1) is left out: it would set the scale of the charts. */
 #include <math.h>
 #include <stdlib.h>
 

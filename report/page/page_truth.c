@@ -1,4 +1,6 @@
-/* The series against a truth, where there is one: virtual tests. */
+/* The series against a truth, where there is one: virtual tests. Photo-side files are compared with
+ * NAME.photo-truth.hdf (what the photo shows), packings with NAME.truth.hdf (what the simulation knows). Motions are
+ * compared since the photo in which the grains were found, whose truth gives the positions from which both began. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,28 +47,37 @@ static void cells(struct html *html, const struct figures *figures, const char *
         html_number(html, figures_value(figures, *names), digits);
 }
 
-static int found_table(const struct page *page, const struct series *series, struct html *html)
+/* A row of figures per photo that has a file of findgrains (b0_path NULL) or of the tracker. */
+static int photo_table(const struct page *page, const struct series *series, const char *heading,
+                       const char *const names[], const char *b0_path, struct html *html)
 {
-    static const char *const names[] = {"found",         "missed",      "false",         "flagged",
-                                        "centre_rms_px", "centre_pull", "radius_rms_px", "radius_bias_px",
-                                        "radius_pull",   NULL};
-    fputs("<div class=\"table\"><table><tr><th class=\"left\">photo</th><th>found</th><th>missed</th><th>false</th>"
-          "<th>flagged</th><th>centre RMS<br>px</th><th>error / s</th><th>radius RMS<br>px</th><th>radius bias<br>px"
-          "</th><th>error / s</th></tr>\n",
-          html->stream);
+    fprintf(html->stream, "<div class=\"table\"><table><tr><th class=\"left\">photo</th>%s</tr>\n", heading);
     for (size_t k = 0; k < series->count; k++) {
+        const struct series_row *row = &series->rows[k];
+        const char *path = b0_path ? row->tracks.path : row->grains.path;
         struct figures figures = {.count = 0};
-        if (!series->rows[k].grains.path)
+        if (!path)
             continue;
-        if (compare_one(page, &series->rows[k], series->rows[k].grains.path, NULL, &figures))
+        if (compare_one(page, row, path, b0_path, &figures))
             return -1;
         fputs("<tr>", html->stream);
-        html_cell(html, series->rows[k].name);
+        html_cell(html, row->name);
         cells(html, &figures, names, 3);
         fputs("</tr>\n", html->stream);
     }
     fputs("</table></div>\n", html->stream);
     return 0;
+}
+
+static int found_table(const struct page *page, const struct series *series, struct html *html)
+{
+    static const char *const names[] = {"found",         "missed",      "false",         "flagged",
+                                        "centre_rms_px", "centre_pull", "radius_rms_px", "radius_bias_px",
+                                        "radius_pull",   NULL};
+    return photo_table(page, series,
+                       "<th>found</th><th>missed</th><th>false</th><th>flagged</th><th>centre RMS<br>px</th>"
+                       "<th>error / s</th><th>radius RMS<br>px</th><th>radius bias<br>px</th><th>error / s</th>",
+                       names, NULL, html);
 }
 
 /* The truth of the photo in which grains were found: there the tracks began. */
@@ -85,22 +96,13 @@ static int motion_table(const struct page *page, const struct series *series, st
                                         "displacement_max_px", "displacement_pull", "rotation_rms_deg",
                                         "rotation_max_deg",    "rotation_pull",     NULL};
     char *b0 = reference_truth(page, series);
-    int result = b0 ? 0 : -1;
-    fputs("<div class=\"table\"><table><tr><th class=\"left\">photo</th><th>tracked</th><th>flagged</th>"
-          "<th>displacement RMS<br>px</th><th>largest<br>px</th><th>error / s</th><th>rotation RMS<br>deg</th>"
-          "<th>largest<br>deg</th><th>error / s</th></tr>\n",
-          html->stream);
-    for (size_t k = 0; k < series->count && result == 0; k++) {
-        struct figures figures = {.count = 0};
-        if (!series->rows[k].tracks.path)
-            continue;
-        result = compare_one(page, &series->rows[k], series->rows[k].tracks.path, b0, &figures);
-        fputs("<tr>", html->stream);
-        html_cell(html, series->rows[k].name);
-        cells(html, &figures, names, 3);
-        fputs("</tr>\n", html->stream);
-    }
-    fputs("</table></div>\n", html->stream);
+    int result =
+        b0 ? photo_table(page, series,
+                         "<th>tracked</th><th>flagged</th><th>displacement RMS<br>px</th><th>largest<br>px</th>"
+                         "<th>error / s</th><th>rotation RMS<br>deg</th><th>largest<br>deg</th>"
+                         "<th>error / s</th>",
+                         names, b0, html)
+           : -1;
     free(b0);
     return result;
 }

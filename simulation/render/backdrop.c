@@ -1,5 +1,6 @@
 /* What lies behind the grains: the hollow inside the frame, the frame, its surroundings, paper, markers, labels,
- * hinges; each a surface laid over the ones before it. */
+ * hinges; each a surface laid over the ones before it. An edge covers a cell by the share of coverage() (tile.h),
+ * corners by the product of those of their two edges. */
 #include "simulation/render/layers.h"
 
 /* A convex outline as four half-planes: distance inside in cells = across x + along y + from, tile coordinates. */

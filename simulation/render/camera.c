@@ -1,3 +1,6 @@
+/* The camera's motion is a similarity about the photo's middle, and the lens comes last, as it does in a camera: seen =
+ * lens(similarity(corrected)). camera_corrected() is its exact inverse but for the iterations that lens_seen() needs.
+ */
 #include "simulation/render/camera.h"
 
 #include <stddef.h>

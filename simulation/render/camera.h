@@ -21,7 +21,7 @@ struct camera {
     const struct lens *lens; /* NULL: none */
 };
 
-/* The camera moves, then its lens distorts: seen = lens_seen(moved(corrected)). */
+/* From corrected to seen px (the camera moves, then its lens distorts) and back. */
 struct vec camera_seen(const struct camera *camera, struct vec corrected);
 struct vec camera_corrected(const struct camera *camera, struct vec seen);
 /* Seen px per corrected px (root of the area's), and rotation of a small body, at a corrected position. */

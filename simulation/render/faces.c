@@ -1,4 +1,6 @@
-/* The rods: their faces, cut to their rims, and what is seen of their flanks behind them. */
+/* The rods: their faces, cut to their rims, and what is seen of their flanks behind them. Wood is drawn from what a
+ * photo of it shows: annual rings, a bevel that darkens the rim, sometimes a pencil line. All of it is fixed to the rod
+ * and turns with it. */
 #include "simulation/render/layers.h"
 
 #include "pipeline/numbers/random.h"
@@ -12,8 +14,7 @@ SIMD_CLONES static void paint_rings(const struct optics *optics, struct tile *ti
                                     const struct face *face, size_t grain)
 {
     uint64_t key = body_key(optics, BODY_RING, grain);
-    double turn = 6.283185307179586 * random_uniform(key, 0),
-           away = face->radius * (0.3 + 1.4 * random_uniform(key, 1));
+    double turn = 2 * M_PI * random_uniform(key, 0), away = face->radius * (0.3 + 1.4 * random_uniform(key, 1));
     double angle = face->angle + turn;
     float x = (float)(face->x + away * cos(angle) - tile->origin_x),
           y = (float)(face->y - away * sin(angle) - tile->origin_y);
@@ -39,7 +40,7 @@ SIMD_CLONES static void paint_line(const struct optics *optics, struct tile *til
     uint64_t key = body_key(optics, BODY_LINE, grain);
     if (random_uniform(key, 0) >= optics->line_share)
         return;
-    double angle = face->angle + 6.283185307179586 * random_uniform(key, 1);
+    double angle = face->angle + 2 * M_PI * random_uniform(key, 1);
     float across = (float)(sin(angle) / tile->cell), along = (float)(cos(angle) / tile->cell); /* normal, y down */
     float from = (float)((2 * random_uniform(key, 2) - 1) * 0.7 * face->radius / tile->cell);
     float x = (float)(face->x - tile->origin_x), y = (float)(face->y - tile->origin_y);

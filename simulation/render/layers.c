@@ -1,3 +1,5 @@
+/* Which paint lies over which: faces hide flanks, flanks hide what stands behind. A cell that is half hidden gets half
+ * the light of each. */
 #include "simulation/render/layers.h"
 
 #include "pipeline/numbers/random.h"

@@ -2,7 +2,7 @@
 #ifndef SIMULATION_LAYERS_H
 #define SIMULATION_LAYERS_H
 
-#include "simulation/render/render.h"
+#include "simulation/render/picture.h"
 #include "simulation/render/tile.h"
 
 /* Keys of what is painted; each body adds its own number. */

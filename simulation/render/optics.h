@@ -17,6 +17,7 @@ struct paint {
     double level_min, level_max;
 };
 
+/* The look of one kind of body: a level, and dots of paint on it. */
 struct surface {
     double level, spread;          /* level of one body: level (1 + spread N(0, 1)) */
     struct paint paint[PAINT_MAX]; /* later ones on top */

@@ -1,3 +1,5 @@
+/* Tiles of the photo, each by one thread: painted in cells finer than pixels, then exposed. Nothing passes from tile to
+ * tile, and all random numbers have keys, so that the photo does not depend on threads or on the order of tiles. */
 #include "simulation/render/render.h"
 
 #include <math.h>
@@ -5,13 +7,7 @@
 
 #include "pipeline/speak/error.h"
 #include "simulation/render/layers.h"
-#include "simulation/render/render_truth.h"
 #include "simulation/render/sensor.h"
-
-struct camera picture_camera(const struct picture *picture)
-{
-    return (struct camera){vec(0.5 * (picture->width - 1), 0.5 * (picture->height - 1)), picture->view, picture->lens};
-}
 
 /* Paint and expose the tiles that this thread gets; every thread must reach the loop. */
 static int expose_tiles(const struct picture *picture, const struct optics *optics, const struct sensor *sensor,
@@ -53,13 +49,6 @@ int render_picture(const struct picture *picture, const struct optics *optics, s
         return 0;
     photo_free(photo);
     return -1;
-}
-
-void photo_truth_free(struct photo_truth *truth)
-{
-    table_free(&PHOTO_GRAINS, &truth->grains);
-    table_free(&CONTACTS, &truth->contacts);
-    table_free(&PATCHES, &truth->patches);
 }
 
 int render(const struct packing *packing, const struct optics *optics, const struct scene *scene, long index,

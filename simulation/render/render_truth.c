@@ -1,3 +1,5 @@
+/* The truth is what is drawn, not what the packing says: faces with their shapes, turned by the grains' angles;
+ * contacts of the faces as drawn; positions as the moved camera behind its lens sees them. */
 #include "simulation/render/render_truth.h"
 
 #include <math.h>
@@ -41,11 +43,6 @@ static int project_grains(const struct grains *from, const struct optics *optics
     return 0;
 }
 
-static struct vec lines_meet(struct vec p, struct vec u, struct vec q, struct vec v)
-{
-    return vec_add(p, vec_scale(vec_cross(vec_sub(q, p), v) / vec_cross(u, v), u));
-}
-
 /* The frame as the walls of the packing have it; 0 when one of the four is missing. */
 static int frame_of_walls(const struct walls *walls, const struct scene *scene, struct vec corners[4])
 {
@@ -59,7 +56,7 @@ static int frame_of_walls(const struct walls *walls, const struct scene *scene, 
         along[k] = vec_sub(scene_pixels(scene, vec(walls->x1[w], walls->y1[w])), start[k]);
     }
     for (int k = 0; k < 4; k++)
-        corners[k] = lines_meet(start[k], along[k], start[(k + 1) % 4], along[(k + 1) % 4]);
+        corners[k] = vec_meet(start[k], along[k], start[(k + 1) % 4], along[(k + 1) % 4]);
     return isfinite(corners[0].x + corners[1].x + corners[2].x + corners[3].x);
 }
 
@@ -281,6 +278,13 @@ int face_contacts(const struct packing *packing, const struct photo_grains *grai
 
 /* ---- the file ---- */
 
+void photo_truth_free(struct photo_truth *truth)
+{
+    table_free(&PHOTO_GRAINS, &truth->grains);
+    table_free(&CONTACTS, &truth->contacts);
+    table_free(&PATCHES, &truth->patches);
+}
+
 char *photo_truth_path(const char *photo_path)
 {
     size_t length = strlen(photo_path);
@@ -295,16 +299,26 @@ char *photo_truth_path(const char *photo_path)
     return path;
 }
 
-/* What changed the numbers: the optics, the scale, the size. */
+/* The item becomes the object's, or goes when either is not there. */
+static int add_item(cJSON *object, const char *name, cJSON *item)
+{
+    if (object && item && cJSON_AddItemToObject(object, name, item))
+        return 1;
+    cJSON_Delete(item);
+    return 0;
+}
+
+/* What changed the numbers: the optics, the scale, the size. A text that lacks one of them for want of memory would be
+ * believed: NULL then. */
 static char *parameters_text(const struct scene *scene)
 {
-    cJSON *object = cJSON_CreateObject();
     const cJSON *section = scene_section(scene, "optics");
-    cJSON_AddItemToObject(object, "optics", section ? cJSON_Duplicate(section, 1) : cJSON_CreateObject());
-    cJSON_AddNumberToObject(object, "scale_m_per_px", scene->scale);
     double origin[2] = {scene->origin_px.x, scene->origin_px.y};
-    cJSON_AddItemToObject(object, "origin_px", cJSON_CreateDoubleArray(origin, 2));
-    char *text = json_print(object);
+    cJSON *object = cJSON_CreateObject();
+    int whole = add_item(object, "optics", section ? cJSON_Duplicate(section, 1) : cJSON_CreateObject()) &&
+                cJSON_AddNumberToObject(object, "scale_m_per_px", scene->scale) &&
+                add_item(object, "origin_px", cJSON_CreateDoubleArray(origin, 2));
+    char *text = whole ? json_print(object) : NULL;
     cJSON_Delete(object);
     if (!text)
         (void)error_memory("the parameters of a photo");

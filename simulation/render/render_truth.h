@@ -2,7 +2,20 @@
 #ifndef SIMULATION_RENDER_TRUTH_H
 #define SIMULATION_RENDER_TRUTH_H
 
-#include "simulation/render/render.h"
+#include "pipeline/packing/packing.h"
+#include "pipeline/packing/patches.h"
+#include "pipeline/scene/scene.h"
+#include "simulation/render/optics.h"
+#include "simulation/render/picture.h"
+
+/* Exactly what is where in one photo. */
+struct photo_truth {
+    struct photo_grains grains; /* corrected and as seen */
+    struct contacts contacts;   /* m: of the faces as drawn */
+    struct view view;           /* of the camera */
+    struct patches patches;     /* paper as seen; wall markers without the camera's motion */
+};
+void photo_truth_free(struct photo_truth *truth);
 
 /* Grains (with the faces' shapes drawn at random when the packing has none), frame, hinges, paper and markers of the
  * packing. The picture borrows truth->grains and *plates; the latter is to be freed. */

@@ -1,3 +1,10 @@
+/* Point spread and pixel as one separable filter over cells: a Gaussian of standard deviation psf convolved with the
+ * box of a pixel, by differences of its integral. The cells' own blur by a B-spline (tile.h: variance cell^2 / 3) is
+ * part of the Gaussian already and is taken off.
+ *
+ * Noise of a pixel: normal, of variance read^2 + shot^2 value, as photon counts have it (European Machine Vision
+ * Association, standard 1288). Values are cut to the scale, rounded to 2^bits - 1 steps and stored in the upper bits of
+ * 16-bit words, as cameras do. */
 #include "simulation/render/sensor.h"
 
 #include <math.h>

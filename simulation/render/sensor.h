@@ -20,7 +20,8 @@ struct sensor {
 
 /* blur: px, added to the point spread of this photo; brightness: multiplies its exposure. */
 int sensor_begin(struct sensor *sensor, const struct optics *optics, long index, double blur, double brightness);
-/* The tile's pixels into the photo; scratch: tile->width floats, one per thread. */
+/* The tile's pixels into the photo, each thread its own tiles; scratch: tile->width floats, one block per thread.
+ * Pixels of the last tiles that lie beyond the photo are left out. */
 void sensor_expose(const struct sensor *sensor, const struct tile *tile, float *scratch, struct photo *photo);
 
 #endif

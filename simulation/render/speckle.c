@@ -1,6 +1,10 @@
 /* Paint on a body: dots scattered over the body's own plane by a hashed lattice, so that the pattern is a function of
- * position, key and paint alone. A body that moves takes its dots along exactly: their middles are turned and
- * shifted, and each is drawn anew from the distance to it. */
+ * position, key and paint alone. A body that moves takes its dots along exactly: their middles are turned and shifted,
+ * and each is drawn anew from the distance to it.
+ *
+ * Dots are a Boolean model (Stoyan, Kendall and Mecke, Stochastic Geometry and its Applications): with n dots per area
+ * of mean area A a point stays bare with probability exp(-n A), so that a wanted coverage c needs n = -log(1 - c) / A.
+ * A node of the lattice has a Poisson number of dots with mean DOTS_PER_NODE, spread over its cell. */
 #include <math.h>
 
 #include "pipeline/numbers/random.h"

@@ -59,6 +59,7 @@ static inline double coverage_radius(double radius, double cell)
     return radius - cell * cell / (6 * radius);
 }
 
+/* Room for a tile with this margin, px. 0, or -1 when memory is gone; tile_free() in either case. */
 int tile_alloc(struct tile *tile, int margin);
 void tile_free(struct tile *tile);
 /* Go to a place in the photo: positions of all cells, no light yet. */

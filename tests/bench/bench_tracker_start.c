@@ -13,7 +13,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/speak/progress.h"
 #include "tests/dots.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/follow/track_grains.h"
 
 static const double degree = 3.141592653589793 / 180;

@@ -5,7 +5,7 @@
 
 #include "pipeline/speak/error.h"
 #include "tests/dots.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 
 enum { FULL_WIDTH = 10320, FULL_HEIGHT = 7752 };
 

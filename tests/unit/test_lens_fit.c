@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "calibration/commands/lens_picture.h"
+#include "calibration/lens/lens_fit.h"
+#include "calibration/lens/lens_map.h"
 #include "calibration/lens/lens_plate.h"
 #include "calibration/rods/scale.h"
 #include "pipeline/speak/error.h"

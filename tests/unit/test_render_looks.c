@@ -25,6 +25,23 @@ static void test_noise_is_the_one_asked_for(void **state)
     photo_free(&photo);
 }
 
+/* A lens darkens the corners by the share asked for, with the square of the distance from the middle. */
+static void test_shading_is_the_one_asked_for(void **state)
+{
+    (void)state;
+    struct optics optics = OPTICS_PLAIN;
+    struct photo_grains grains = {0};
+    struct photo photo = {0};
+    optics.hollow.level = 0.5;
+    optics.shading = 0.4;
+    struct picture picture = {.width = 301, .height = 201, .grains = &grains};
+    check_done(render_picture(&picture, &optics, &photo));
+    check_near(photo_row(&photo, 0)[0] / 65535.0, 0.5 * (1 - 0.4), 1e-4);
+    check_near(photo_row(&photo, 100)[150] / 65535.0, 0.5, 1e-4);
+    check_near(photo_row(&photo, 100)[0] / 65535.0, 0.5 * (1 - 0.4 * 150 * 150 / (150.0 * 150 + 100 * 100)), 1e-4);
+    photo_free(&photo);
+}
+
 /* Light of one plain grain at (40.3, 39.6), radius 24, with these optics; share of the grain's level per px. */
 static double light_above_void(const struct optics *optics)
 {
@@ -121,9 +138,9 @@ static void test_steps_and_saturation(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_is_the_one_asked_for), cmocka_unit_test(test_flank_is_the_swept_strip),
-        cmocka_unit_test(test_lines_are_as_wide_as_told),  cmocka_unit_test(test_paint_covers_the_share_asked_for),
-        cmocka_unit_test(test_steps_and_saturation),
+        cmocka_unit_test(test_shading_is_the_one_asked_for),     cmocka_unit_test(test_noise_is_the_one_asked_for),
+        cmocka_unit_test(test_flank_is_the_swept_strip),         cmocka_unit_test(test_lines_are_as_wide_as_told),
+        cmocka_unit_test(test_paint_covers_the_share_asked_for), cmocka_unit_test(test_steps_and_saturation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

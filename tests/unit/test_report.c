@@ -564,6 +564,37 @@ static void png_size(const char *path, unsigned size[2])
                   (unsigned)head[18 + 4 * k] << 8 | head[19 + 4 * k];
 }
 
+static long json_allocations; /* until the one that fails */
+
+static void *json_malloc(size_t size)
+{
+    return json_allocations-- == 0 ? NULL : malloc(size);
+}
+
+/* cJSON has no memory left after some allocations: the list is whole, or it is refused. */
+static void check_lists_without_memory(char *const paths[], const char *output)
+{
+    cJSON_Hooks failing = {json_malloc, free};
+    cJSON_InitHooks(&failing);
+    int refused = 0, whole = 0;
+    for (long k = 0; k < 60; k++) {
+        char *text = NULL;
+        size_t length = 0;
+        FILE *stream = open_memstream(&text, &length);
+        json_allocations = k;
+        int status = export_hdf_series(paths, 2, output, stream);
+        fclose(stream);
+        refused += status != 0;
+        whole += status == 0;
+        assert_true(status || (strstr(text, "\"0001.forces.hdf\",\"time\":9}") &&
+                               strstr(text, "\"0000.forces.hdf\",\"time\":10}") && strstr(text, "\"1.0\"")));
+        free(text);
+        error_clear();
+    }
+    cJSON_InitHooks(NULL);
+    assert_true(refused > 5 && whole > 5);
+}
+
 /* Frames share one view, so that they have one size although the packing moves; the series is sorted by time. */
 static void test_film_and_series(void **unused)
 {
@@ -591,6 +622,7 @@ static void test_film_and_series(void **unused)
     snprintf(output, sizeof output, "%s/all.hdf.series", folder);
     FILE *stream = open_memstream(&text, &length);
     check_done(export_hdf_series(paths, 2, output, stream));
+    check_lists_without_memory(paths, output);
     assert_int_equal(export_hdf_series(paths, 2, "elsewhere/all.hdf.series", stream), -1);
     fclose(stream);
     assert_non_null(

@@ -14,6 +14,7 @@
 
 #include <hdf5.h>
 
+#include "pipeline/speak/version.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/grains.h"
 #include "pipeline/state/state.h"
@@ -136,7 +137,7 @@ static void test_attributes(void **unused)
     check_done(state_read_info(state, &info));
     assert_string_equal(info.stage, "contacts");
     assert_string_equal(info.coordinates, "si");
-    assert_string_equal(info.program_version, FILM_VERSION);
+    assert_string_equal(info.program_version, film_version);
     assert_string_equal(info.parameters, "{\"lambda\":1}");
     assert_non_null(strstr(info.inputs, "\"name\":\"CMakeLists.txt\""));
     assert_int_equal(info.index, 12);

@@ -86,6 +86,30 @@ static void test_the_reference_has_not_moved(void **state)
     packing_free(&packing);
 }
 
+/* Flags of the reference's file: what they say of the circle holds in every photo, how a grain was matched there does
+ * not. */
+static void test_flags_of_the_circle_are_kept(void **state)
+{
+    (void)state;
+    struct packing packing;
+    packing_make(&packing, 3);
+    struct photo reference = packing_photo(&packing, 0.01, 1), again = packing_photo(&packing, 0.01, 1);
+    struct photo_grains grains = packing_grains(&packing);
+    struct tracker_options options = TRACKER_DEFAULT;
+    struct tracks tracks = {0};
+    const uint32_t of_circle = GRAIN_WEAK_EDGE | GRAIN_FLANK | GRAIN_BY_HAND;
+    const uint32_t of_match = GRAIN_LOW_ZNCC | GRAIN_LOST | GRAIN_RESCUED | GRAIN_MASKED | GRAIN_RATTLER | GRAIN_VAGUE;
+    grains.flags[3] = of_circle | of_match;
+    check_done(track_grains(&reference, &grains, &again, NULL, &options, &tracks));
+    assert_int_equal(tracks.grains.flags[3], of_circle);
+    assert_int_equal(tracks.grains.flags[4], 0);
+    tracks_free(&tracks);
+    table_free(&PHOTO_GRAINS, &grains);
+    free(again.pixels);
+    free(reference.pixels);
+    packing_free(&packing);
+}
+
 /* Shifts that no start can reach are found by the search; the photo after is found from there. */
 static void test_far_grains_are_found_and_predicted(void **state)
 {
@@ -316,6 +340,7 @@ int main(void)
         cmocka_unit_test(test_every_grain_is_followed),
         cmocka_unit_test(test_vague_grains_are_named),
         cmocka_unit_test(test_the_reference_has_not_moved),
+        cmocka_unit_test(test_flags_of_the_circle_are_kept),
         cmocka_unit_test(test_far_grains_are_found_and_predicted),
         cmocka_unit_test(test_absurd_starts),
         cmocka_unit_test(test_a_replaced_grain_is_lost_and_found_again),

@@ -1,3 +1,7 @@
+/* A rigid body of some size through a smooth map: its centre goes through the map, its covariance through the map's
+ * Jacobian, its angle by the rotation in the Jacobian (the polar decomposition of a 2 x 2 matrix: atan2 of its skew
+ * over its trace), its rim by magnification and stretch. Bending of the map within a grain is left out: a lens of some
+ * px over the photo bends by 1e-3 px over a grain. */
 #include "tracker/follow/correct.h"
 
 /* Rotation (counter-clockwise as seen, y down) that a map with this Jacobian gives to a small body. */
@@ -41,6 +45,8 @@ struct stretch correct_stretch(const struct lens *lens, double x, double y)
     if (!lens)
         return (struct stretch){1, 0, 0};
     lens_jacobian(lens, vec(x, y), j);
+    /* J = magnification (1 + E), E symmetric and without trace to first order, y down: a rim r(phi), phi
+     * counter-clockwise as seen, gets the second harmonic ((J_xx - J_yy) / 2, -(J_xy + J_yx) / 2). */
     double magnification = sqrt(fabs(j[0][0] * j[1][1] - j[0][1] * j[1][0]));
     return (struct stretch){magnification, (j[0][0] - j[1][1]) / 2, -(j[0][1] + j[1][0]) / 2};
 }

@@ -1,3 +1,11 @@
+/* A similarity between two photos of a fixed thing: with x, y from the mean position of the patches,
+ *
+ *     dx = zoom x + turn y + t_x,     dy = zoom y - turn x + t_y,     angle = turn
+ *
+ * for each patch, weighted by 1 / variance: least squares with four unknowns (three with one patch, which shows no
+ * zoom). The angle is taken for small, which a camera on a stand is: turn in place of its sine. The covariance is
+ * (A'WA)^-1, times chi^2 per degree of freedom where that exceeds 1: then the patches disagree by more than their
+ * errors, because the paper is not flat or not fixed. */
 #include "tracker/follow/drift.h"
 
 #include <math.h>

@@ -24,7 +24,7 @@ struct camera {
  * rotation, two or more the zoom too. The covariance is widened when the patches disagree by more than their errors. */
 struct camera camera_fit(const struct corrected *patches, const int *good, size_t count);
 
-/* Undo the camera's motion at a place and angle. */
+/* Undo the camera's motion at a place (px, moved) and an angle (rad), in place. The camera is known. */
 void camera_undo(const struct camera *camera, double *x, double *y, double *angle);
 /* Variance that it adds to a position there (x, y) and to an angle. */
 void camera_variance(const struct camera *camera, double x, double y, double *xx, double *yy, double *angle);

@@ -3,9 +3,11 @@
 #ifndef TRACKER_FOLLOW_H
 #define TRACKER_FOLLOW_H
 
-#include "tracker/follow/target.h"
-#include "tracker/follow/track_grains.h"
+#include "pipeline/packing/grains.h"
+#include "tracker/follow/track_options.h"
+#include "tracker/search/target.h"
 
+/* A piece of paper alone is cut into 2 x 2. */
 enum { QUARTERS = 4 };
 
 struct tracker {
@@ -23,7 +25,7 @@ struct tracker {
     int threads;
 };
 
-/* Everything of one photo. */
+/* Everything of one photo. expected, has_expected and outcomes have one entry per target. */
 struct follow {
     struct tracker *tracker;
     struct target_photos photos;
@@ -33,7 +35,8 @@ struct follow {
     struct outcome *outcomes;
 };
 
-/* Look for every target that is not there yet: from where it is expected, from its neighbours, from nothing. */
+/* Look for every target: from where it is expected, from its neighbours, from nothing. Fills follow->outcomes. 0, or -1
+ * when memory is gone. */
 int rounds_find(struct follow *follow);
 /* The reference photo in itself: no motion, exactly. */
 int rounds_stay(struct follow *follow);

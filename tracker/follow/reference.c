@@ -1,9 +1,12 @@
+/* What is kept of the reference: the targets (paper, markers, grains), which other rims reach into each, who is near
+ * whom, and the grey value at which the sensor clips. Subsets are built when they are first asked for (target_keep). */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 
 #include "pipeline/speak/error.h"
 #include "tracker/follow/follow.h"
+#include "tracker/follow/track_grains.h"
 #include "tracker/search/neighbours.h"
 #include "pipeline/numbers/simd.h"
 
@@ -27,6 +30,7 @@ SIMD_CLONES static size_t count_of(const uint16_t *grey, size_t n, uint16_t valu
  * 0: none. */
 static uint16_t saturation_of(const struct photo *photo)
 {
+    /* A grey value in the upper half of the range; one pixel in 100000 may have it by chance. */
     size_t n = (size_t)photo->width * (size_t)photo->height;
     uint16_t largest = largest_of(photo->pixels, n);
     unsigned range = photo->bits == 8 ? 255 : 65535;

@@ -1,3 +1,13 @@
+/* How the targets of one photo are found, from the cheap to the dear:
+ *
+ *     1. each from where it is expected (the photo before, or the reference): most are there;
+ *     2. what is left, outwards from the good ones: a grain goes where the median of its neighbours goes,
+ *        and is searched nearby for its own angle; those that are found carry the next round;
+ *     3. every eighth grain that is left by a blind search, then outwards from these again;
+ *     4. the rest by blind search, one by one.
+ *
+ * A round reads only what the rounds before have found and each target writes its own row: results do not depend on the
+ * number of threads. After each step, matches with unusual noise are doubted (consistency.h) and looked for again. */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -119,10 +129,10 @@ static int need_pyramids(struct follow *follow)
     return 0;
 }
 
-static void demote(struct follow *follow)
+static int demote(struct follow *follow)
 {
     const struct tracker *tracker = follow->tracker;
-    consistency_demote(follow->outcomes + tracker->patch_count, tracker->grains->count);
+    return consistency_demote(follow->outcomes + tracker->patch_count, tracker->grains->count);
 }
 
 /* Seeds, what grows from them, then every grain on its own. */
@@ -131,23 +141,20 @@ static int search_all(struct follow *follow)
     const struct tracker *tracker = follow->tracker;
     if (for_each(follow, tracker->patch_count, tracker->count, seeds_from_nothing) || spread(follow))
         return -1;
-    if (for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow))
-        return -1;
-    demote(follow);
-    return 0;
+    return for_each(follow, tracker->patch_count, tracker->count, from_nothing) || spread(follow) || demote(follow) ? -1
+                                                                                                                    : 0;
 }
 
 int rounds_find(struct follow *follow)
 {
     const struct tracker *tracker = follow->tracker;
-    if (for_each(follow, 0, tracker->count, from_expected))
+    if (for_each(follow, 0, tracker->count, from_expected) || demote(follow))
         return -1;
-    demote(follow);
     if (!open_targets(follow, 0, tracker->count))
         return 0;
-    if (need_pyramids(follow) || for_each(follow, 0, tracker->patch_count, from_nothing) || spread(follow))
+    if (need_pyramids(follow) || for_each(follow, 0, tracker->patch_count, from_nothing) || spread(follow) ||
+        demote(follow))
         return -1;
-    demote(follow);
     size_t open = open_targets(follow, tracker->patch_count, tracker->count);
     if (open && search_all(follow))
         return -1;

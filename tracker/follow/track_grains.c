@@ -1,3 +1,8 @@
+/* One photo: where targets are expected, the rounds that find them, the camera's motion, and the tables.
+ *
+ * A grain is expected to move once more as it moved up to the photo before, unless a number is
+ * missing. Expectations only say where to look first; the match is always with the reference, so that its error does
+ * not grow along the series. */
 #include "tracker/follow/track_grains.h"
 
 #include <math.h>
@@ -8,7 +13,7 @@
 #include "tracker/search/consistency.h"
 #include "tracker/follow/drift.h"
 #include "tracker/follow/follow.h"
-#include "tracker/follow/tracks.h"
+#include "tracker/follow/fill_tracks.h"
 
 /* Can a subset be there? The limit is that of the reference's grains (reference.c); a turn beyond it has no digits. */
 static int within_reach(const struct target *target, const struct motion *motion)

@@ -1,17 +1,20 @@
-/* From what was found in the photo to the columns of the file. */
+/* What is found in one photo. */
 #ifndef TRACKER_TRACKS_H
 #define TRACKER_TRACKS_H
 
-#include "tracker/follow/drift.h"
-#include "tracker/follow/target.h"
-#include "tracker/follow/track_grains.h"
+#include "pipeline/packing/grains.h"
+#include "pipeline/packing/patches.h"
 
-/* `grains` of the reference, one target and one outcome per row. */
-int tracks_of_grains(const struct photo_grains *grains, const struct target *targets, const struct outcome *outcomes,
-                     const struct lens *lens, const struct camera *camera, const struct photo_grains *previous,
-                     struct photo_grains *tracks);
-/* Drift patches first, then the markers of the walls. */
-int tracks_of_patches(const struct tracker_options *options, const struct target *targets,
-                      const struct outcome *outcomes, const struct camera *camera, struct patches *patches);
+/* grains: the same rows as the reference's, px and rad, lens and camera undone (x_px, y_px, angle) and as the photo
+ * shows them (x_seen_px, y_seen_px, angle_seen); dx_px, dy_px, dangle since the photo before; NaN where a grain is
+ * lost, and flags that say why. patches: paper first, then the markers of the walls. */
+struct tracks {
+    struct photo_grains grains;
+    struct patches patches;
+};
+void tracks_free(struct tracks *tracks); /* accepts a zeroed struct */
+
+/* Number of grains that are not to be trusted (GRAIN_DISTRUST). */
+size_t tracks_flagged(const struct tracks *tracks);
 
 #endif

@@ -1,34 +1,36 @@
+/* A wrong place with a fair correlation is told from a right one by what the other grains say: it leaves more noise
+ * than matches of this photo usually do (all grains are seen by one camera), lies where another grain is (rods are
+ * hard: nothing overlaps by 15 % of a radius), or is a radius away from where its neighbours went (docs/tracker.md). */
 #include "tracker/search/consistency.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#include "pipeline/numbers/quantiles.h"
+#include "pipeline/speak/error.h"
 
 static const double usual_noise = 3;     /* times the median */
 static const double beyond_doubt = 0.95; /* ZNCC: no wrong place reaches it, whatever the noise says */
 static const double deep = 0.15;         /* overlap over the smaller radius that grains cannot have */
 enum { FEWEST = 8 };                     /* grains that make a usual noise */
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-void consistency_demote(struct outcome *outcomes, size_t count)
+int consistency_demote(struct outcome *outcomes, size_t count)
 {
     double *noise = malloc((count + 1) * sizeof *noise);
     size_t good = 0;
-    for (size_t k = 0; noise && k < count; k++)
+    if (!noise)
+        return error_memory("the noise of the grains");
+    for (size_t k = 0; k < count; k++)
         if (outcomes[k].found == 2)
             noise[good++] = outcomes[k].fit.noise;
     if (good >= FEWEST) {
-        qsort(noise, good, sizeof *noise, compare);
-        double limit = usual_noise * noise[good / 2];
+        double limit = usual_noise * select_rank(noise, good, good / 2);
         for (size_t k = 0; k < count; k++)
             if (outcomes[k].found == 2 && outcomes[k].fit.zncc < beyond_doubt && outcomes[k].fit.noise > limit)
                 outcomes[k].found = 1;
     }
     free(noise);
+    return 0;
 }
 
 static int sits_on_another(const struct target *targets, const double *radius, const struct outcome *outcomes,

@@ -5,8 +5,10 @@
 
 #include "tracker/search/neighbours.h"
 
-/* A match that leaves far more than the usual noise of this photo is doubtful: found 2 becomes 1. */
-void consistency_demote(struct outcome *outcomes, size_t count);
+/* A match that leaves far more than the usual noise of this photo (three times the median of the good ones, where there
+ * are eight or more) is doubtful, unless its ZNCC is beyond doubt: found 2 becomes 1. 0, or -1 when memory is gone;
+ * nothing is changed then. */
+int consistency_demote(struct outcome *outcomes, size_t count);
 
 /* Sets `contradicted` where a grain that a search brought in sits on another one, or has left its neighbours by more
  * than its radius. `grain_radius[k]`: rim, px. */

@@ -1,10 +1,26 @@
+/* Iterations of inverse-compositional Gauss-Newton on the equations that subset.c makes. With T the searched photo at
+ * the pixels where the motion m so far carries the subset,
+ *
+ *     gain = grey'T / grey'grey,     step = H^-1 Z'T / gain,     m <- W(m) o W(step)^-1,
+ *
+ * until the step moves the rim by less than the tolerance. Z is orthogonal to grey, Laplacian and 1, so that Z'T is Z'
+ * of the residual and no offset has to be taken off.
+ *
+ * The pixels' noise is told by what is left of T - gain grey - offset, on n - 6 degrees of freedom (motion, gain,
+ * offset, focus): the reference brings its noise times gain, the photo its own as the spline passes it on
+ * (bspline_noise_gain). Slopes carry noise too and make H = Z'J larger than the texture alone would, by noise_hessian
+ * times the variance: near the end, and for the covariance, that is taken off.
+ *
+ * First on the cubic spline. Its error of phase is a bias of some thousandths of a pixel in fine speckle; where that is
+ * not small against the standard error, and no rotation averages it over all phases, the quintic spline finishes
+ * (Schreier, Braasch and Sutton, Opt. Eng. 39 (2000) 2915, on such biases). */
 #include "tracker/search/icgn.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "tracker/subset/kernel.h"
-#include "tracker/follow/scatter.h"
+#include "tracker/subset/scatter.h"
 
 enum { SLACK = 2, BORDER = 2 }; /* px: loaded around the start; where the spline at the photo's border is not its own */
 

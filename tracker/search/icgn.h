@@ -4,7 +4,7 @@
 #define TRACKER_ICGN_H
 
 #include "tracker/subset/bspline.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 struct icgn_options {
@@ -21,6 +21,7 @@ struct icgn_options {
         .tolerance = ICGN_TOLERANCE, .reach = ICGN_REACH, .iterations = ICGN_ITERATIONS                                \
     }
 
+/* A match: where the subset is, how well that is known, and how like the photo is to the reference there. */
 struct fit {
     struct motion motion;
     double covariance[3][3]; /* of u, v, angle: px, px, rad */
@@ -43,7 +44,10 @@ void icgn_extent(const struct shape *shape, double angle, double *half_w, double
 /* Is every pixel of the moved shape inside the photo, with room for the spline? */
 int icgn_inside(const struct shape *shape, const struct motion *motion, const struct photo *photo);
 
-/* Fails only for lack of memory. `patch` is workspace: a thread's own. */
+/* From `start` to the nearest match. fit->converged 0 is no failure: the iteration strayed by more than options->reach,
+ * took too many steps, or found nothing to follow. -1: memory is gone. The subset is usable (subset_usable); where its
+ * warp leaves the photo, mirrored pixels stand. `patch` is workspace, a thread's own; it may hold a patch of another
+ * photo. */
 int icgn_fit(const struct subset *subset, const struct photo *photo, struct motion start,
              const struct icgn_options *options, struct patch *patch, struct fit *fit);
 

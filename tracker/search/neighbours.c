@@ -1,37 +1,62 @@
+/* The nearest grains are those that a grain leans on or nearly so: they move alike but for their own rolling. A median
+ * of their motions is not moved by up to half of them being wrong. Nearest others are found in cells of a grid, in ever
+ * wider squares until the eighth lies within the square. */
 #include "tracker/search/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "pipeline/numbers/cell_grid.h"
-#include "pipeline/speak/error.h"
 #include "pipeline/numbers/quantiles.h"
+#include "pipeline/speak/error.h"
 
-/* Keep the nearest, nearest first; of two that are equally far the one of smaller number. */
+/* Square cells that hold some three targets each; *span: no two are further apart. */
+static int grid_of(const struct target *targets, size_t count, struct cell_grid *grid, double *span)
+{
+    double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
+    size_t given = 0;
+    for (size_t k = 0; k < count; k++)
+        if (targets[k].given) {
+            x0 = fmin(x0, targets[k].shape.cx);
+            y0 = fmin(y0, targets[k].shape.cy);
+            x1 = fmax(x1, targets[k].shape.cx);
+            y1 = fmax(y1, targets[k].shape.cy);
+            given++;
+        }
+    *span = given ? hypot(x1 - x0, y1 - y0) : 0;
+    double area = given ? (x1 - x0) * (y1 - y0) : 0;
+    if (cell_grid_open(grid, given, fmax(1, sqrt(area * 3 / (double)(given + 1)))))
+        return -1;
+    for (size_t k = 0; k < count; k++)
+        if (targets[k].given)
+            cell_grid_add(grid, k, targets[k].shape.cx, targets[k].shape.cy);
+    return 0;
+}
+
+/* Keep the nearest, nearest first, of equally near ones that of the smaller number. */
 static void offer(const struct target *targets, size_t of, long candidate, long nearest[NEIGHBOURS],
                   double distance[NEIGHBOURS])
 {
     double d =
         hypot(targets[candidate].shape.cx - targets[of].shape.cx, targets[candidate].shape.cy - targets[of].shape.cy);
     int k = NEIGHBOURS;
-    while (k > 0 && (d < distance[k - 1] || (d == distance[k - 1] && candidate < nearest[k - 1])))
-        k--;
-    for (int last = NEIGHBOURS - 1; last > k; last--) {
-        distance[last] = distance[last - 1];
-        nearest[last] = nearest[last - 1];
-    }
-    if (k < NEIGHBOURS) {
-        distance[k] = d;
-        nearest[k] = candidate;
-    }
+    for (; k > 0 && (d < distance[k - 1] || (d == distance[k - 1] && candidate < nearest[k - 1])); k--)
+        if (k < NEIGHBOURS) {
+            distance[k] = distance[k - 1];
+            nearest[k] = nearest[k - 1];
+        }
+    if (k == NEIGHBOURS)
+        return;
+    distance[k] = d;
+    nearest[k] = candidate;
 }
 
-/* In squares that double until NEIGHBOURS are within the circle inside, or all targets have been seen. */
-static void find_one(const struct target *targets, size_t of, const struct cell_grid *grid, long nearest[NEIGHBOURS])
+/* Ever wider around the target until the nearest are all within reach. */
+static void find_one(const struct target *targets, size_t of, const struct cell_grid *grid, double span,
+                     long nearest[NEIGHBOURS])
 {
-    double distance[NEIGHBOURS];
-    struct cell_search search;
-    double reach = grid->size;
+    double distance[NEIGHBOURS], reach = grid->size;
+    int done;
     do {
         for (int k = 0; k < NEIGHBOURS; k++) {
             nearest[k] = -1;
@@ -39,34 +64,28 @@ static void find_one(const struct target *targets, size_t of, const struct cell_
         }
         if (!targets[of].given)
             return;
-        search = cell_grid_near(grid, targets[of].shape.cx, targets[of].shape.cy, reach);
-        for (size_t k; (k = cell_grid_next(&search)) != CELL_GRID_END;)
+        struct cell_search search = cell_grid_near(grid, targets[of].shape.cx, targets[of].shape.cy, reach);
+        for (size_t k = cell_grid_next(&search); k != CELL_GRID_END; k = cell_grid_next(&search))
             if (k != of)
                 offer(targets, of, (long)k, nearest, distance);
+        done = distance[NEIGHBOURS - 1] <= reach || reach > span;
         reach *= 2;
-    } while (distance[NEIGHBOURS - 1] > 0.5 * reach && !search.all);
+    } while (!done);
 }
 
 long *neighbours_find(const struct target *targets, size_t count)
 {
-    struct cell_grid grid = {0};
-    double size = 1; /* px: some two grains wide */
-    for (size_t k = 0; k < count; k++)
-        size += targets[k].given ? 4 * targets[k].shape.radius / (double)count : 0;
+    struct cell_grid grid = {.count = 0};
+    double span;
     long *nearest = malloc((count ? count : 1) * NEIGHBOURS * sizeof *nearest);
-    if (!nearest || cell_grid_open(&grid, count, size)) {
-        free(nearest);
-        cell_grid_free(&grid);
-        (void)error_memory("the neighbours of grains");
-        return NULL;
-    }
-    for (size_t k = 0; k < count; k++)
-        if (targets[k].given)
-            cell_grid_add(&grid, k, targets[k].shape.cx, targets[k].shape.cy);
-    for (size_t k = 0; k < count; k++)
-        find_one(targets, k, &grid, nearest + k * NEIGHBOURS);
+    int status = nearest ? grid_of(targets, count, &grid, &span) : error_memory("the neighbours of grains");
+    for (size_t k = 0; k < count && !status; k++)
+        find_one(targets, k, &grid, span, nearest + k * NEIGHBOURS);
     cell_grid_free(&grid);
-    return nearest;
+    if (!status)
+        return nearest;
+    free(nearest);
+    return NULL;
 }
 
 int neighbours_motion(const long *nearest, const struct outcome *outcomes, struct motion *motion)

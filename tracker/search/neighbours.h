@@ -2,7 +2,7 @@
 #ifndef TRACKER_NEIGHBOURS_H
 #define TRACKER_NEIGHBOURS_H
 
-#include "tracker/follow/target.h"
+#include "tracker/search/target.h"
 
 enum { NEIGHBOURS = 8 };
 

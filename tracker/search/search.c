@@ -1,3 +1,15 @@
+/* The blind search. For a disc of n pixels, with p the reference's values turned by an angle, less their mean and of
+ * unit norm, and w the photo's values under the disc at one position,
+ *
+ *     ZNCC = sum p w / sqrt(sum w^2 - (sum w)^2 / n),
+ *
+ * since sum p = 0 takes the mean of w off by itself (Lewis, Fast normalized cross-correlation, 1995). The two sums of w
+ * do not depend on the angle and are made once. Loops run over the disc's pixels outside and over positions inside:
+ * whole rows of positions at a time, which compilers vectorise; the disc is small on its level, so that this beats
+ * transforms.
+ *
+ * Angles are as far apart as move the rim by angle_step pixels, positions by one pixel of the level: a true place falls
+ * at most half of either short of its top, and IC-GN does the rest. */
 #include "tracker/search/search.h"
 
 #include <math.h>

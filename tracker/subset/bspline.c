@@ -1,3 +1,9 @@
+/* Interpolating splines (Unser, IEEE Signal Processing Magazine 16 (1999) 22): grey(x) = sum over k of c_k B(x - k), B
+ * the B-spline of degree 3 or 5, with c so that grey(i) is pixel i. On the pixels B is the filter 1 4 1 / 6, or 1 26 66
+ * 26 1 / 120; c is the photo filtered by its inverse, a sum of two-sided exponentials z^|k| whose poles lie at z =
+ * -0.268 (cubic), -0.431 and -0.043 (quintic). Unser runs them as recursive filters from border to border; for a patch,
+ * some taps of the impulse response do the same and every patch stands alone. In two dimensions rows and columns are
+ * filtered one after the other. */
 #include "tracker/subset/bspline.h"
 
 #include <math.h>
@@ -154,6 +160,9 @@ void patch_free(struct patch *patch)
     *patch = (struct patch){0};
 }
 
+/* Pixels of white noise s2 give an interpolated value a variance of s2 times the sum of the squares of its weights:
+ * least half-way between pixels, 1 on them. What a match leaves is divided by this (icgn.c) to tell the noise of a
+ * pixel. In two dimensions the gain is the product of those along x and y. */
 /* Sum of squares of the interpolated value's response to each pixel, at fraction t. */
 static double noise_gain_at(enum bspline_order order, double t)
 {

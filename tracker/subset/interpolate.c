@@ -1,3 +1,6 @@
+/* In plain C, and which of the versions is taken: the widest registers that this machine has. All of them compute
+ * positions by the same operations in single precision, so that a pixel falls between the same four (six) taps
+ * everywhere; sums are in another order, which moves values by rounding. */
 #include "tracker/subset/interpolate.h"
 
 #include "pipeline/numbers/simd.h"

@@ -10,7 +10,8 @@ struct line {
     float x, y, step_x, step_y;
 };
 
-/* t[i] = patch at pixel begin + i of the line, i < count. All of them lie inside what the patch covers. */
+/* t[i] = patch at pixel begin + i of the line, i < count. All of them lie inside what the patch covers: nothing is
+ * checked here. t may be written up to `count` only. */
 typedef void interpolate_line(const struct patch *patch, const struct line *line, int begin, int count, float *t);
 
 interpolate_line interpolate_cubic_plain, interpolate_quintic_plain;

@@ -1,3 +1,6 @@
+/* Most of the tracker's time is spent here: T, the searched photo at the warped pixels of a subset, and the dot
+ * products Z'T, grey'T, 1'T and T'T that an iteration needs (icgn.c). A rotation is a shear along each run, so that the
+ * pixels of a run lie on a straight line with even steps. */
 #include "tracker/subset/kernel.h"
 
 #include "pipeline/numbers/simd.h"
@@ -17,31 +20,27 @@ struct partial {
     float one[LANES], square[LANES], plane[SUBSET_PLANES][LANES];
 };
 
+/* The products of pixel i into lane l. */
+static inline void add_product(const float *t, const float *planes, size_t plane_size, int i, int l,
+                               struct partial *restrict sums)
+{
+    float v = t[i];
+    sums->one[l] += v;
+    sums->square[l] += v * v;
+    for (int p = 0; p < SUBSET_PLANES; p++)
+        sums->plane[p][l] += v * planes[(size_t)p * plane_size + (size_t)i];
+}
+
 /* Sums of one stretch: few enough pixels for single precision. */
 SIMD_CLONES static void add_products(const float *restrict t, const float *restrict planes, size_t plane_size,
                                      int count, struct partial *restrict sums)
 {
-    const float *x = planes, *y = x + plane_size, *a = y + plane_size, *g = a + plane_size;
     int i = 0;
     for (; i + LANES <= count; i += LANES)
-        for (int l = 0; l < LANES; l++) {
-            float v = t[i + l];
-            sums->one[l] += v;
-            sums->square[l] += v * v;
-            sums->plane[SUBSET_ZX][l] += v * x[i + l];
-            sums->plane[SUBSET_ZY][l] += v * y[i + l];
-            sums->plane[SUBSET_ZA][l] += v * a[i + l];
-            sums->plane[SUBSET_GREY][l] += v * g[i + l];
-        }
-    for (int l = 0; i + l < count; l++) {
-        float v = t[i + l];
-        sums->one[l] += v;
-        sums->square[l] += v * v;
-        sums->plane[SUBSET_ZX][l] += v * x[i + l];
-        sums->plane[SUBSET_ZY][l] += v * y[i + l];
-        sums->plane[SUBSET_ZA][l] += v * a[i + l];
-        sums->plane[SUBSET_GREY][l] += v * g[i + l];
-    }
+        for (int l = 0; l < LANES; l++)
+            add_product(t, planes, plane_size, i + l, l, sums);
+    for (int l = 0; i + l < count; l++)
+        add_product(t, planes, plane_size, i + l, l, sums);
 }
 
 static double total(const float lanes[LANES])

@@ -5,7 +5,7 @@
 
 #include "tracker/subset/bspline.h"
 #include "tracker/subset/interpolate.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 struct kernel_sums {
@@ -13,7 +13,8 @@ struct kernel_sums {
     double plane[SUBSET_PLANES]; /* sums of T times each plane */
 };
 
-/* The patch must cover the warped subset; its order chooses the spline. */
+/* Sums over all pixels of the subset at `motion`. The patch must cover the warped subset (patch_covers); its order
+ * chooses the spline. */
 void kernel_sums(const struct subset *subset, const struct patch *patch, const struct motion *motion,
                  struct kernel_sums *sums);
 

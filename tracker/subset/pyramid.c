@@ -1,3 +1,5 @@
+/* Means over 2 x 2 pixels are what a sensor with larger pixels would have seen: speckle that is finer than a coarse
+ * pixel averages out instead of appearing as another pattern. */
 #include "tracker/subset/pyramid.h"
 
 #include <stdlib.h>

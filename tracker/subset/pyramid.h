@@ -3,7 +3,7 @@
 #define TRACKER_PYRAMID_H
 
 #include "pipeline/scene/photo.h"
-#include "tracker/follow/rigid_motion.h"
+#include "tracker/subset/rigid_motion.h"
 #include "tracker/subset/subset.h"
 
 enum { PYRAMID_LEVELS = 4 };
@@ -13,6 +13,8 @@ struct pyramid {
     struct photo levels[PYRAMID_LEVELS]; /* level 0 is borrowed; 8-bit photos are 256 times brighter above it */
 };
 
+/* Levels until one is smaller than 16 px. The photo is borrowed and must outlive the pyramid. 0, or -1 when memory is
+ * gone; nothing is to be freed then. */
 int pyramid_build(const struct photo *photo, struct pyramid *pyramid);
 void pyramid_free(struct pyramid *pyramid); /* accepts a zeroed struct */
 

@@ -1,3 +1,7 @@
+/* Finite differences. The plain slope is the central difference of sixth order, (3/4, -3/20, 1/60) on pixels 1, 2 and 3
+ * away: within 1 % for waves of six pixels, 7 % for waves of four. The smoothed photo is that filtered by 1 2 1 / 4
+ * along x and y; its slopes are the instruments Z of subset.c. The Laplacian is the five-point one of the smoothed
+ * photo: to first order a change of focus adds a multiple of it (a Gaussian blur is diffusion). */
 #include "tracker/subset/slopes.h"
 
 #include <stdlib.h>
@@ -116,6 +120,9 @@ static double smooth_difference(int k)
     return tap;
 }
 
+/* White noise of variance 1 in the pixels is seen by a smooth slope s and a plain slope p of the same pixel: their
+ * covariance is the sum of the products of their taps along the direction of the slope. Across it the plain slope looks
+ * at its own row only, where the smooth one has the binomial's middle tap. */
 double slopes_noise(void)
 {
     double along = 0;

@@ -9,21 +9,7 @@
 #ifndef TRACKER_SUBSET_H
 #define TRACKER_SUBSET_H
 
-#include <stddef.h>
-
-#include "pipeline/scene/photo.h"
-
-struct shape {
-    double cx, cy;         /* centre, px */
-    double radius;         /* of the disc; of the circle around a rectangle */
-    double half_w, half_h; /* of the rectangle; 0: a disc */
-};
-
-/* Pixels (x + 0 .. x + count - 1, y), stored from `offset` on. */
-struct run {
-    int x, y, count;
-    size_t offset;
-};
+#include "tracker/subset/runs.h"
 
 enum { SUBSET_ZX, SUBSET_ZY, SUBSET_ZA, SUBSET_GREY, SUBSET_PLANES };
 
@@ -58,18 +44,12 @@ static inline int subset_sampled(const struct subset *subset, size_t run)
     return subset->every < 2 || subset_strip(subset, run) % subset->every == 0;
 }
 
-/* Which pixels of the reference may be used. */
-struct subset_mask {
-    uint16_t saturation;            /* grey values from here on are left out; 0: none */
-    const struct shape *neighbours; /* discs whose pixels are left out */
-    size_t neighbour_count;
-    const struct photo *photo; /* the photo to be searched: pixels that `x y` carry beyond its border are left out; */
-    double u, v, angle;        /* NULL: none */
-};
-
-/* Fails only for lack of memory; a subset without texture has energy or determinant 0 (subset_usable). */
+/* A subset of the reference with everything that iterations need; to be freed. mask NULL: every pixel may be used. 0,
+ * or -1 when memory is gone (nothing is to be freed then). A shape without texture, or with fewer than 16 pixels that
+ * may be used, gives a subset that is not usable. */
 int subset_build(const struct photo *reference, const struct shape *shape, const struct subset_mask *mask,
                  struct subset *subset);
+/* Can a match be looked for? 16 pixels at least, and texture in both directions. */
 int subset_usable(const struct subset *subset);
 /* inverse = h^-1; 0 (and no inverse) when its determinant is not well above zero. */
 int subset_invert(double (*h)[3], double (*inverse)[3]);

@@ -1,0 +1,197 @@
+#include "pipeline/packing/verdict.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "pipeline/packing/stress.h"
+
+/* ---- loads of walls ---- */
+
+double wall_normal_load(const struct walls *walls, size_t w)
+{
+    if (!walls->fx || !walls->fy || wall_is_disc(walls, w))
+        return NAN;
+    struct vec n = wall_inward(walls, w);
+    double fx = walls->fx[w], fy = walls->fy[w];
+    int along_x = fabs(n.x) > fabs(n.y);
+    if (along_x ? isnan(fx) : isnan(fy))
+        return NAN;
+    return (isnan(fx) ? 0 : fx) * n.x + (isnan(fy) ? 0 : fy) * n.y;
+}
+
+/* Mean size of the loads of the walls whose normal lies along this axis, N. */
+static double mean_load(const struct walls *walls, int axis)
+{
+    double sum = 0, count = 0;
+    for (size_t w = 0; w < walls->count; w++) {
+        if (wall_is_disc(walls, w))
+            continue;
+        struct vec n = wall_inward(walls, w);
+        double load = wall_normal_load(walls, w);
+        if ((fabs(n.x) > fabs(n.y)) == (axis == 0) && isfinite(load))
+            sum += fabs(load), count++;
+    }
+    return count > 0 ? sum / count : NAN;
+}
+
+double loads_misfit_share(const struct walls *walls, const double misfit[2])
+{
+    double worst = NAN;
+    for (int axis = 0; axis < 2; axis++) {
+        double load = mean_load(walls, axis), share = fabs(misfit[axis]) / load;
+        if (load > 0 && isfinite(share))
+            worst = fmax(share, isnan(worst) ? 0 : worst);
+    }
+    return worst;
+}
+
+/* ---- the reasons ---- */
+
+struct finding {
+    struct forces *forces;
+    char list[2][sizeof((struct forces *)0)->reasons]; /* doubtful, void */
+};
+
+static void say(struct finding *finding, enum verdict verdict, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void say(struct finding *finding, enum verdict verdict, const char *format, ...)
+{
+    char *list = finding->list[verdict == VERDICT_VOID];
+    size_t used = strlen(list), room = sizeof finding->list[0];
+    va_list arguments;
+    if (verdict > finding->forces->verdict)
+        finding->forces->verdict = verdict;
+    if (used + 20 > room)
+        return;
+    if (used)
+        used += (size_t)snprintf(list + used, room - used, "; ");
+    va_start(arguments, format);
+    vsnprintf(list + used, room - used, format, arguments);
+    va_end(arguments);
+}
+
+static int carries(const struct forces *forces, size_t c)
+{
+    return forces->contact.fn[c] > 0;
+}
+
+/* Does any contact of this wall, or of a corner disc that moves with it, carry a force? */
+static int wall_is_carried(const struct packing *packing, const struct forces *forces, size_t w)
+{
+    char name[NAME_LENGTH + 1] = "", other[NAME_LENGTH + 1] = "";
+    size_t wall;
+    memcpy(name, packing->walls.name[w], NAME_LENGTH);
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        if (!carries(forces, c) || !packing_is_wall(packing, c, &wall))
+            continue;
+        memcpy(other, packing->walls.name[wall], NAME_LENGTH);
+        if (wall == w || (wall_is_disc(&packing->walls, wall) && strstr(other, name)))
+            return 1;
+    }
+    return 0;
+}
+
+static void look_at_walls(struct finding *finding, const struct packing *packing)
+{
+    const struct walls *walls = &packing->walls;
+    double largest = 0;
+    for (size_t w = 0; w < walls->count; w++)
+        largest = fmax(largest, fabs(wall_normal_load(walls, w))); /* fmax ignores NaN */
+    for (size_t w = 0; w < walls->count; w++)
+        if (fabs(wall_normal_load(walls, w)) > 1e-3 * largest && !wall_is_carried(packing, finding->forces, w))
+            say(finding, VERDICT_VOID, "the %.*s wall is loaded, but no contact there carries anything", NAME_LENGTH,
+                walls->name[w]);
+}
+
+static void look_at_loads(struct finding *finding, const struct packing *packing)
+{
+    struct forces *forces = finding->forces;
+    double share = loads_misfit_share(&packing->walls, forces->misfit);
+    if (share > LOAD_TOLERANCE)
+        say(finding, share > LOADS_VOID ? VERDICT_VOID : VERDICT_DOUBTFUL,
+            "the loads on opposite walls differ by %.2g %% of their mean: look for a wrong or missing load",
+            100 * share);
+    if (share > LOAD_TOLERANCE)
+        forces->converged = 0;
+}
+
+/* The parts of the mean stress that are known from the loads: applied, and Weber's of the same axes. */
+static void mean_stresses(const double applied[2][2], const double weber[2][2], double mean[2])
+{
+    int known = 0;
+    mean[0] = mean[1] = 0;
+    for (int axis = 0; axis < 2; axis++)
+        if (isfinite(applied[axis][axis]))
+            mean[0] += applied[axis][axis], mean[1] += weber[axis][axis], known++;
+    for (int k = 0; k < 2; k++)
+        mean[k] = known ? mean[k] / known : NAN;
+}
+
+static void look_at_stress(struct finding *finding, const struct packing *packing)
+{
+    const struct forces *forces = finding->forces;
+    double applied[2][2], mean[2];
+    stress_applied(packing, packing_area(packing), applied);
+    mean_stresses((const double(*)[2])applied, forces->stress, mean);
+    const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
+    if (mean[0] < 0)
+        say(finding, VERDICT_VOID, "the loads pull outwards (mean stress %.3g %s): is their sign turned?", mean[0],
+            units);
+    double off = fabs(mean[1] / mean[0] - 1);
+    if (!(mean[0] > 0) || !(off > STRESS_NOTED))
+        return;
+    int is_void = off > STRESS_VOID && forces->iterations > 0;
+    say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
+        "the contact forces make a stress of %.3g %s where %.3g is "
+        "applied: contacts were missed, or loads or scale are wrong",
+        mean[1], units, mean[0]);
+}
+
+static void look_at_balance(struct finding *finding, const struct packing *packing)
+{
+    const struct forces *forces = finding->forces;
+    size_t carrying = 0;
+    for (size_t c = 0; c < forces->contact.count; c++)
+        carrying += (size_t)carries(forces, c);
+    if (!carrying && packing->grains.count)
+        say(finding, VERDICT_VOID, "no contact carries anything (%zu contacts among %zu grains)", forces->contact.count,
+            packing->grains.count);
+    if (forces->infeasible)
+        say(finding, VERDICT_VOID,
+            "no forces at all on these contacts balance the loads: a contact was missed, or a load "
+            "is wrong");
+    if (forces->iterations > 0 && forces->imbalance_mean > UNBALANCED_VOID)
+        say(finding, VERDICT_VOID, "grains are left with %.2g <fn> unbalanced in the mean", forces->imbalance_mean);
+    if (carrying && !forces->converged && !(forces->imbalance <= forces->tolerance))
+        say(finding, VERDICT_DOUBTFUL, "%s: up to %.2g <fn> is left unbalanced (tolerance %.2g)",
+            forces->iterations > 0 ? "not converged" : "the method seeks no equilibrium", forces->imbalance,
+            forces->tolerance);
+}
+
+static void look_at_overlaps(struct finding *finding, const struct packing *packing)
+{
+    double ratio = packing->contacts.overlap && isfinite(finding->forces->kn)
+                       ? stress_overlaps_over_loads(packing, finding->forces->kn)
+                       : NAN;
+    if (ratio > OVERLAPS_NOTED || ratio < 1 / OVERLAPS_NOTED)
+        say(finding, VERDICT_DOUBTFUL,
+            "overlaps times k_n are %.2g times the loads: scale, k_n or loads are wrong, or "
+            "overlaps are no more than their errors",
+            ratio);
+}
+
+void verdict_find(const struct packing *packing, struct forces *forces)
+{
+    struct finding finding = {.forces = forces};
+    forces->verdict = VERDICT_BALANCED;
+    look_at_loads(&finding, packing);
+    look_at_walls(&finding, packing);
+    look_at_balance(&finding, packing);
+    look_at_stress(&finding, packing);
+    look_at_overlaps(&finding, packing);
+    const char *gap = *finding.list[0] && *finding.list[1] ? "; " : "";
+    snprintf(forces->reasons, sizeof forces->reasons, "%.480s%s%.480s", finding.list[1], gap, finding.list[0]);
+}
