@@ -1,10 +1,13 @@
+/* Forces of one packing by one method after the other; everything that was asked about them is answered before their
+ * file is written, so that a failure leaves no half of it. */
 #include "forces/add_forces.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/forces_file.h"
 #include "forces/questions/fclib.h"
-#include "forces/network/network.h"
+#include "forces/network/network_loads.h"
 #include "forces/questions/range.h"
 #include "forces/questions/buckling.h"
 #include "forces/questions/walk.h"
@@ -13,24 +16,9 @@
 #include "pipeline/packing/stress.h"
 #include "pipeline/packing/packing_file.h"
 
-/* A new place for the forces of this method: an old result of the same name gives way. */
-static struct forces *make_room(struct packing *packing, enum force_method method)
-{
-    for (size_t k = 0; k < packing->force_count; k++)
-        if (!strcmp(packing->forces[k].method, FORCE_METHODS[method])) {
-            forces_free(&packing->forces[k]);
-            return &packing->forces[k];
-        }
-    struct forces *grown = realloc(packing->forces, (packing->force_count + 1) * sizeof *grown);
-    if (!grown) {
-        error_set(EXIT_FAILED, "out of memory: forces");
-        return NULL;
-    }
-    packing->forces = grown;
-    memset(&grown[packing->force_count], 0, sizeof *grown);
-    return &grown[packing->force_count++];
-}
+#define UNBALANCED 0.01 /* <fn>: a grain whose unbalanced force is larger counts */
 
+/* For the log: what a run is judged by. */
 static void tell(const struct forces *forces)
 {
     log_event(forces->method, "iterations", (double)forces->iterations, "converged", (double)forces->converged,
@@ -64,6 +52,7 @@ static int look_around(const struct packing *packing, const struct force_options
     return options->range ? range_forces(packing, options, method, forces) : 0;
 }
 
+/* *unbalanced: of the worst method that seeks equilibrium. */
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
                      size_t *unbalanced)
 {
@@ -72,26 +61,24 @@ static int infer_all(const struct force_request *request, const struct force_opt
         log_event("loads", "misfit", share, "misfit_x", misfit[0], "misfit_y", misfit[1], NULL);
     for (int k = 0; k < request->methods.count; k++) {
         enum force_method method = request->methods.method[k];
-        struct forces inferred, *room;
+        struct forces inferred;
         if (infer_forces(packing, options, method, &inferred))
             return error_context("%s", request->input);
-        if (look_around(packing, options, method, &inferred)) {
-            forces_free(&inferred);
-            return error_context("%s", request->input);
-        }
-        if (!(room = make_room(packing, method))) {
+        int status = look_around(packing, options, method, &inferred) ? error_context("%s", request->input) : 0;
+        size_t out = forces_unbalanced_grains(packing, &inferred, UNBALANCED);
+        if (!status)
+            tell(&inferred);
+        if (status || forces_take_in(packing, &inferred)) {
             forces_free(&inferred);
             return -1;
         }
-        *room = inferred;
-        tell(room);
-        size_t out = forces_unbalanced_grains(packing, room, 0.01);
-        if (method != METHOD_CEM && out > *unbalanced)
+        if (method_row(method)->balances && out > *unbalanced)
             *unbalanced = out;
     }
     return 0;
 }
 
+/* The files that had a say stand in the provenance. */
 static int write_forces(const struct force_request *request, const struct force_options *options,
                         const struct packing *packing)
 {
@@ -104,18 +91,7 @@ static int write_forces(const struct force_request *request, const struct force_
     char *parameters = force_options_text(&request->methods, options);
     if (!parameters)
         return -1;
-    struct provenance provenance = PROVENANCE_DEFAULT;
-    provenance.stage = "forces";
-    provenance.parameters = parameters;
-    provenance.scene = request->scene;
-    provenance.input_paths = inputs;
-    provenance.input_count = count;
-    provenance.index = packing->info.index;
-    provenance.time_s = packing->info.time_s;
-    provenance.coordinates = "si";
-    provenance.length_m = packing->length_m;
-    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
-    int status = packing_write(request->output, packing, &provenance);
+    int status = forces_write(request->output, packing, request->scene, parameters, inputs, count);
     free(parameters);
     return status;
 }

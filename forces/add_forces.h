@@ -19,6 +19,8 @@ struct force_outcome {
     double overlaps_over_loads; /* stress.h; NaN: not known */
 };
 
+/* Reads, infers, writes. -1, with an error that names the file: no file of forces was written. A previous state must be
+ * one before this one, of the same series. */
 int add_forces(const struct force_request *request, struct force_outcome *outcome);
 
 #endif

@@ -1,3 +1,5 @@
+/* All states are read before the first is worked on, sorted by the number of their photo, solved together and written
+ * one by one; each file names all of them as its inputs. */
 #include "forces/add_series.h"
 
 #include <errno.h>
@@ -6,6 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "forces/forces_file.h"
+#include "forces/infer_forces.h"
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
@@ -15,6 +19,7 @@
 /* One state and where it comes from. */
 struct member {
     const char *path;
+    char *target; /* where its forces go */
     size_t place; /* on the command line */
     struct packing packing;
 };
@@ -25,7 +30,7 @@ static int is_folder(const char *path)
     return !stat(path, &status) && S_ISDIR(status.st_mode);
 }
 
-/* FOLDER/N.forces.hdf for .../N.contacts.hdf; to be freed. */
+/* FOLDER/N.forces.hdf for .../N.contacts.hdf; to be freed. NULL: memory is gone. */
 static char *output_path(const char *folder, const char *input)
 {
     static const char *const endings[] = {".contacts.hdf", ".forces.hdf", ".hdf"};
@@ -39,30 +44,24 @@ static char *output_path(const char *folder, const char *input)
     char *path = malloc(room);
     if (path)
         snprintf(path, room, "%s/%.*s.forces.hdf", folder, (int)length, base);
-    else
-        error_set(EXIT_FAILED, "out of memory: paths");
     return path;
 }
 
 /* Each state has a file of its own to go to. */
-static int check_outputs(const struct series_request *request)
+static int name_targets(const struct series_request *request, struct member *members)
 {
-    int status = 0;
-    for (size_t k = 1; k < request->count && !status; k++) {
-        char *path = output_path(request->output, request->inputs[k]);
-        status = path ? 0 : -1;
-        for (size_t m = 0; m < k && !status; m++) {
-            char *other = output_path(request->output, request->inputs[m]);
-            if (!other)
-                status = -1;
-            else if (!strcmp(path, other))
-                status = error_input("%s: its forces would replace those of %s: rename one", request->inputs[k],
-                                     request->inputs[m]);
-            free(other);
-        }
-        free(path);
+    for (size_t k = 0; k < request->count; k++) {
+        members[k] = (struct member){.path = request->inputs[k], .place = k};
+        members[k].target =
+            is_folder(request->output) ? output_path(request->output, request->inputs[k]) : strdup(request->output);
+        if (!members[k].target)
+            return error_memory("paths");
+        for (size_t m = 0; m < k; m++)
+            if (!strcmp(members[k].target, members[m].target))
+                return error_input("%s: its forces would replace those of %s: rename one", request->inputs[k],
+                                   request->inputs[m]);
     }
-    return status;
+    return 0;
 }
 
 /* By the number of the photo; those without one as they stand on the command line. */
@@ -78,7 +77,6 @@ static int compare_members(const void *a, const void *b)
 static int read_members(const struct series_request *request, struct member *members)
 {
     for (size_t k = 0; k < request->count; k++) {
-        members[k].path = request->inputs[k], members[k].place = k;
         if (packing_read(request->inputs[k], &members[k].packing))
             return -1;
     }
@@ -86,50 +84,22 @@ static int read_members(const struct series_request *request, struct member *mem
     return 0;
 }
 
-/* Take the forces into the packing; an old result of the same name gives way. */
-static int take_in(struct packing *packing, struct forces *forces)
-{
-    for (size_t k = 0; k < packing->force_count; k++)
-        if (!strcmp(packing->forces[k].method, forces->method)) {
-            forces_free(&packing->forces[k]);
-            packing->forces[k] = *forces;
-            memset(forces, 0, sizeof *forces);
-            return 0;
-        }
-    struct forces *grown = realloc(packing->forces, (packing->force_count + 1) * sizeof *grown);
-    if (!grown)
-        return error_memory("forces");
-    packing->forces = grown;
-    packing->forces[packing->force_count++] = *forces;
-    memset(forces, 0, sizeof *forces);
-    return 0;
-}
-
+/* Into the folder, or, a single state, into the file that was named. */
 static int write_member(const struct series_request *request, const struct member *members, size_t k,
                         const char *parameters)
 {
-    const struct packing *packing = &members[k].packing;
     const char **inputs = calloc(request->count + 1, sizeof *inputs);
-    char *path = is_folder(request->output) ? output_path(request->output, members[k].path) : strdup(request->output);
-    int status = inputs && path ? 0 : error_memory("paths");
+    int status = inputs ? 0 : error_memory("paths");
     for (size_t s = 0; s < request->count && !status; s++)
         inputs[s] = members[s].path;
-    struct provenance provenance = PROVENANCE_DEFAULT;
-    provenance.stage = "forces";
-    provenance.parameters = parameters;
-    provenance.scene = request->scene;
-    provenance.input_paths = inputs;
-    provenance.input_count = request->count;
-    provenance.index = packing->info.index;
-    provenance.time_s = packing->info.time_s;
-    provenance.coordinates = "si";
-    provenance.length_m = packing->length_m;
-    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
-    status = status || packing_write(path, packing, &provenance) ? -1 : 0;
-    free(inputs), free(path);
+    if (!status)
+        status =
+            forces_write(members[k].target, &members[k].packing, request->scene, parameters, inputs, request->count);
+    free(inputs);
     return status;
 }
 
+/* Files, and what the caller reports: grains out of balance, the photo that fits worst. */
 static int write_all(const struct series_request *request, struct member *members, struct forces *forces,
                      const struct series_summary *summary, struct series_outcome *outcome)
 {
@@ -140,12 +110,14 @@ static int write_all(const struct series_request *request, struct member *member
         outcome->grains += members[k].packing.grains.count;
         if (!outcome->worst || summary->photo[k].misfit > outcome->worst_misfit)
             outcome->worst = members[k].path, outcome->worst_misfit = summary->photo[k].misfit;
-        status = take_in(&members[k].packing, &forces[k]) || write_member(request, members, k, parameters) ? -1 : 0;
+        status =
+            forces_take_in(&members[k].packing, &forces[k]) || write_member(request, members, k, parameters) ? -1 : 0;
     }
     free(parameters);
     return status;
 }
 
+/* For the log. */
 static void tell(const struct series_summary *summary)
 {
     log_event("series", "converged", (double)summary->converged, "residual", summary->gradient, "steps",
@@ -159,7 +131,7 @@ static int infer_members(const struct series_request *request, struct member *me
 {
     struct series_summary summary = {0};
     const struct packing **packings = calloc(request->count + 1, sizeof *packings);
-    int status = packings ? check_outputs(request) : error_memory("states");
+    int status = packings ? name_targets(request, members) : error_memory("states");
     if (!status)
         status = read_members(request, members);
     for (size_t k = 0; k < request->count && !status; k++)
@@ -190,6 +162,7 @@ int add_series(const struct series_request *request, struct series_outcome *outc
     status = status || infer_members(request, members, forces, outcome) ? -1 : 0;
     for (size_t k = 0; members && forces && k < request->count; k++) {
         packing_free(&members[k].packing);
+        free(members[k].target);
         forces_free(&forces[k]);
     }
     free(members), free(forces);

@@ -2,7 +2,6 @@
 #ifndef FORCES_ADD_SERIES_H
 #define FORCES_ADD_SERIES_H
 
-#include "forces/infer_forces.h"
 #include "forces/series/series.h"
 #include "pipeline/scene/scene.h"
 

@@ -9,15 +9,6 @@
 
 #include "pipeline/speak/error.h"
 
-/* Position in FORCE_METHODS of the first `length` letters; -1: there is no such method. */
-static int method_number(const char *text, size_t length)
-{
-    for (int k = 0; FORCE_METHODS[k]; k++)
-        if (strlen(FORCE_METHODS[k]) == length && !strncmp(FORCE_METHODS[k], text, length))
-            return k;
-    return -1;
-}
-
 int method_list_parse(const char *text, struct method_list *list)
 {
     list->count = 0;
@@ -25,12 +16,16 @@ int method_list_parse(const char *text, struct method_list *list)
         return 0;
     for (const char *c = text;; c++) {
         size_t length = strcspn(c, ",");
-        int method = method_number(c, length);
+        int method = method_find(c, length);
+        char *names = method < 0 ? method_names() : NULL;
+        if (names)
+            error_set(EXIT_INPUT, "method '%.*s': give one or more of %s, or series alone", (int)length, c, names);
+        free(names);
         if (method < 0)
-            return error_input("method '%.*s': give one or more of cem,cdm,qsm,map, or series alone", (int)length, c);
+            return -1;
         for (int k = 0; k < list->count; k++)
             if (list->method[k] == (enum force_method)method)
-                return error_input("method %s stands there twice", FORCE_METHODS[method]);
+                return error_input("method %.*s stands there twice", (int)length, c);
         list->method[list->count++] = (enum force_method)method;
         c += length;
         if (!*c)
@@ -53,6 +48,7 @@ static int parse_start(const char *text, void *member)
     return 0;
 }
 
+_Static_assert(sizeof(struct method_list) <= OPTION_ROOM, "a row's member is copied when it is only judged");
 static int parse_methods(const char *text, void *member)
 {
     return method_list_parse(text, member);
@@ -181,7 +177,7 @@ static int add_words(cJSON *object, const struct method_list *list, const struct
 {
     cJSON *methods = cJSON_AddArrayToObject(object, "method");
     for (int k = 0; methods && k < list->count; k++)
-        if (!cJSON_AddItemToArray(methods, cJSON_CreateString(FORCE_METHODS[list->method[k]])))
+        if (!cJSON_AddItemToArray(methods, cJSON_CreateString(method_row(list->method[k])->name)))
             return -1;
     return methods && cJSON_AddStringToObject(object, "start", FORCE_STARTS[options->start]) &&
                    cJSON_AddStringToObject(object, "fix", FORCE_FIXES[options->fix])

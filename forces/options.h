@@ -10,7 +10,7 @@
 
 /* Which methods, in which order, from a list like "cem,qsm"; or series alone. */
 struct method_list {
-    enum force_method method[METHOD_COUNT];
+    enum force_method method[METHOD_COUNT + METHODS_ADDED_MOST];
     int count;
     int series; /* 1: all states together, and count is 0 */
 };

@@ -1,3 +1,10 @@
+/* With images g_k = g(x_k) and residuals r_k = g_k - x_k, the columns of dG and dR are the differences of consecutive
+ * images and residuals; the next point is
+ *
+ *     g - dG gamma,   gamma = argmin |r - dR gamma|,
+ *
+ * solved by the normal equations dR' dR gamma = dR' r, whose matrix (`gram`) changes by one row per step. Without
+ * history, or when every column was left out, the next point is g itself. */
 #include "forces/algebra/anderson.h"
 
 #include <math.h>
@@ -13,20 +20,19 @@ int anderson_begin(struct anderson *state, size_t n, int m)
     memset(state, 0, sizeof *state);
     state->n = n;
     state->m = m < ANDERSON_MOST ? m : ANDERSON_MOST;
-    size_t size = (n + 1) * (size_t)(state->m > 0 ? state->m : 1);
-    state->dg = calloc(size, sizeof(double));
-    state->dr = calloc(size, sizeof(double));
-    state->g = calloc(n + 1, sizeof(double));
-    state->r = calloc(n + 1, sizeof(double));
-    if (state->dg && state->dr && state->g && state->r)
-        return 0;
-    anderson_free(state);
-    return error_memory("acceleration");
+    size_t columns = n * (size_t)(state->m > 0 ? state->m : 1);
+    state->dg = calloc(2 * columns + 2 * n + 1, sizeof(double)); /* one block for all four */
+    if (!state->dg)
+        return error_memory("acceleration");
+    state->dr = state->dg + columns;
+    state->g = state->dr + columns;
+    state->r = state->g + n;
+    return 0;
 }
 
 void anderson_free(struct anderson *state)
 {
-    free(state->dg), free(state->dr), free(state->g), free(state->r);
+    free(state->dg);
     memset(state, 0, sizeof *state);
 }
 
@@ -35,7 +41,7 @@ void anderson_restart(struct anderson *state)
     state->count = state->next = state->primed = 0;
 }
 
-/* Four sums side by side, in a fixed order. */
+/* Four sums side by side, in a fixed order: fast, and the same on every machine. */
 static double dot(size_t n, const double *a, const double *b)
 {
     double sum[4] = {0};
@@ -48,6 +54,7 @@ static double dot(size_t n, const double *a, const double *b)
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
+/* Column `next` of dG and dR from this image and the last one; its row of the products. */
 static void remember(struct anderson *state, const double *x, const double *g)
 {
     double *dg = state->dg + (size_t)state->next * state->n, *dr = state->dr + (size_t)state->next * state->n;
@@ -68,8 +75,8 @@ static void remember(struct anderson *state, const double *x, const double *g)
     state->primed = 1;
 }
 
-/* Least squares |r - dR gamma| by the normal equations, newest column first; a column that the newer ones nearly span
- * is left out, and with it all older ones. Cholesky: lower L' = dR' dR. */
+/* Least squares |r - dR gamma| by the normal equations, newest column first. A column that the newer ones nearly span
+ * would bring rounding only: it is left out, and with it all older ones. Cholesky: lower L' = dR' dR. */
 static void mix(struct anderson *state, double *out)
 {
     size_t n = state->n;

@@ -1,35 +1,26 @@
+/* Lanczos steps on (K + shift)^-1 build an orthonormal basis Q, in which that inverse is the small matrix T = Q' (K +
+ * shift)^-1 Q; the eigenvector of T's largest eigenvalue gives the best motion within the basis, from which the next
+ * cycle starts. The basis is kept orthogonal in full, twice, as Lanczos vectors lose it in rounding.
+ * T is diagonalised by Jacobi's rotations: 40 columns are few, and nothing can go wrong. The first motion is made of
+ * random numbers with a fixed key, so that every run gives the same bytes. */
 #include "forces/algebra/lanczos.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/vectors.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
-enum { STEPS = 40, CYCLES = 30, SWEEPS = 30 };
+enum {
+    STEPS = 40,  /* vectors of a basis */
+    CYCLES = 30, /* bases */
+    SWEEPS = 30  /* of rotations: Jacobi's method needs some 8 */
+};
 
-static double dot(size_t n, const double *a, const double *b)
-{
-    double sum = 0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
-static void add(size_t n, double factor, const double *a, double *to)
-{
-    for (size_t k = 0; k < n; k++)
-        to[k] += factor * a[k];
-}
-
-static void scale(size_t n, double factor, double *a)
-{
-    for (size_t k = 0; k < n; k++)
-        a[k] *= factor;
-}
-
-/* One rotation of Jacobi's method, which makes t[p][q] zero. */
+/* One rotation of Jacobi's method, which makes t[p][q] zero; v gathers the rotations. tan(angle) is the smaller root,
+ * so that the rotation is at most 45 degrees. */
 static void rotate(int m, double t[STEPS][STEPS], double v[STEPS][STEPS], int p, int q)
 {
     double theta = (t[q][q] - t[p][p]) / (2 * t[p][q]);
@@ -78,16 +69,16 @@ static int steps(const struct lanczos *problem, double *basis, double *next, dou
         double *q = basis + (size_t)j * n;
         if (problem->solve(problem->user, q, next))
             return -1;
-        t[j][j] = dot(n, q, next);
+        t[j][j] = vector_dot(n, q, next);
         for (int again = 0; again < 2; again++)
             for (int k = 0; k <= j; k++)
-                add(n, -dot(n, basis + (size_t)k * n, next), basis + (size_t)k * n, next);
-        double beta = sqrt(dot(n, next, next));
+                vector_add(n, -vector_dot(n, basis + (size_t)k * n, next), basis + (size_t)k * n, next);
+        double beta = sqrt(vector_dot(n, next, next));
         if (j + 1 == most || beta < 1e-13 * fabs(t[0][0]))
             return j + 1;
         t[j][j + 1] = t[j + 1][j] = beta;
         memcpy(q + n, next, n * sizeof *q);
-        scale(n, 1 / beta, q + n);
+        vector_scale(n, 1 / beta, q + n);
     }
     return most;
 }
@@ -95,10 +86,10 @@ static int steps(const struct lanczos *problem, double *basis, double *next, dou
 /* The best motion within the basis goes to basis[0]. */
 static void combine(size_t n, int m, const double y[STEPS], double *basis)
 {
-    scale(n, y[0], basis);
+    vector_scale(n, y[0], basis);
     for (int k = 1; k < m; k++)
-        add(n, y[k], basis + (size_t)k * n, basis);
-    scale(n, 1 / sqrt(dot(n, basis, basis)), basis);
+        vector_add(n, y[k], basis + (size_t)k * n, basis);
+    vector_scale(n, 1 / sqrt(vector_dot(n, basis, basis)), basis);
 }
 
 int lanczos_smallest(const struct lanczos *problem, double *value, double *x, double *defect)
@@ -112,7 +103,7 @@ int lanczos_smallest(const struct lanczos *problem, double *value, double *x, do
         for (size_t k = 0; k < n; k++)
             basis[k] = random_normal(1, k);
     if (!status && n > 0)
-        scale(n, 1 / sqrt(dot(n, basis, basis)), basis);
+        vector_scale(n, 1 / sqrt(vector_dot(n, basis, basis)), basis);
     for (int cycle = 0; !status && n > 0 && cycle < CYCLES && !(*defect <= problem->tolerance); cycle++) {
         int m = steps(problem, basis, work, t);
         if (m < 0) {
@@ -122,9 +113,9 @@ int lanczos_smallest(const struct lanczos *problem, double *value, double *x, do
         largest_of(m, t, y);
         combine(n, m, y, basis);
         status = problem->multiply(problem->user, basis, work);
-        *value = dot(n, basis, work);
-        add(n, -*value, basis, work);
-        *defect = sqrt(dot(n, work, work));
+        *value = vector_dot(n, basis, work);
+        vector_add(n, -*value, basis, work);
+        *defect = sqrt(vector_dot(n, work, work));
     }
     if (!status)
         memcpy(x, basis, n * sizeof *x);

@@ -1,3 +1,7 @@
+/* A matrix in compressed columns (lower triangle), whose pattern never changes: each block knows the slots of its
+ * entries, so that assembling is a loop of additions. CHOLMOD orders the unknowns, so that the factor fills little, and
+ * finds the supernodes; its numeric factorisation is not used, since in supernodes it
+ * knows definite matrices only, and rounds as its BLAS does. */
 #include "forces/algebra/sparse.h"
 
 #include <limits.h>
@@ -10,126 +14,67 @@
 #include "forces/algebra/supernodal.h"
 #include "pipeline/speak/error.h"
 
-enum { REFINEMENTS = 2 };
+enum { REFINEMENTS = 2 }; /* each leaves shift / (eigenvalue + shift) of the error */
 
 struct sparse {
     cholmod_common common;
     cholmod_sparse *matrix; /* lower triangle, columns sorted */
     struct supernodal *factor;
-    double *defect, *correction;
-    int *slot;     /* per block: where its lower triangle goes */
-    int *diagonal; /* per unknown */
-    int width, triangle;
-    int shifted;
+    double *defect, *correction; /* of a refinement */
+    int *slot;                   /* per block: where its lower triangle goes */
+    int width, triangle;         /* of a block: its columns, the entries of its lower triangle */
+    int shifted;                 /* the factor is that of the matrix with a shift on its diagonal */
 };
 
-/* Rows of the lower triangle, bucketed by column: starts[c] .. starts[c + 1]. */
-struct pattern {
-    size_t *starts;
-    int *rows;
-};
-
-static int compare_ints(const void *a, const void *b)
+/* One entry for each pair of a block and one on each diagonal; CHOLMOD sorts them and joins what stands there twice.
+ * The diagonal comes first in its column, the triangle being the lower one. */
+static cholmod_sparse *pattern(struct sparse *sparse, size_t unknowns, size_t blocks, int width, const int *place)
 {
-    int x = *(const int *)a, y = *(const int *)b;
-    return (x > y) - (x < y);
-}
-
-static void for_each_entry(size_t blocks, int width, const int *place, size_t *starts, int *rows)
-{
-    for (size_t b = 0; b < blocks; b++)
+    size_t pairs = (size_t)sparse->triangle, n = 0;
+    cholmod_triplet *entries =
+        cholmod_allocate_triplet(unknowns, unknowns, unknowns + blocks * pairs, -1, CHOLMOD_PATTERN, &sparse->common);
+    if (!entries)
+        return NULL;
+    int *row = entries->i, *column = entries->j;
+    for (; n < unknowns; n++)
+        row[n] = column[n] = (int)n;
+    for (const int *block = place; block < place + blocks * (size_t)width; block += width)
         for (int i = 0; i < width; i++)
-            for (int j = 0; j <= i; j++) {
-                int p = place[b * (size_t)width + (size_t)i], q = place[b * (size_t)width + (size_t)j];
-                if (p < 0 || q < 0)
-                    continue;
-                int row = p > q ? p : q, column = p > q ? q : p;
-                if (rows)
-                    rows[starts[column]] = row;
-                starts[column]++;
-            }
+            for (int j = 0; j <= i; j++)
+                if (block[i] >= 0 && block[j] >= 0) {
+                    row[n] = block[i] > block[j] ? block[i] : block[j];
+                    column[n++] = block[i] > block[j] ? block[j] : block[i];
+                }
+    entries->nnz = n;
+    cholmod_sparse *matrix = cholmod_triplet_to_sparse(entries, 0, &sparse->common);
+    cholmod_free_triplet(&entries, &sparse->common);
+    return matrix;
 }
 
-/* Counting sort of all entries by column; the diagonal is always there. */
-static int pattern_fill(size_t unknowns, size_t blocks, int width, const int *place, struct pattern *pattern)
+static int build_matrix(struct sparse *sparse, size_t unknowns, size_t blocks, int width, const int *place)
 {
-    size_t *starts = calloc(unknowns + 2, sizeof *starts);
-    if (!starts)
-        return error_memory("matrix pattern");
-    pattern->starts = starts;
-    for_each_entry(blocks, width, place, starts, NULL);
-    size_t total = 0;
-    for (size_t c = 0; c < unknowns; c++) {
-        size_t here = starts[c] + 1;
-        starts[c] = total;
-        total += here;
-    }
-    starts[unknowns] = total;
-    pattern->rows = malloc((total + 1) * sizeof(int));
-    if (!pattern->rows)
-        return error_memory("matrix pattern");
-    for (size_t c = 0; c < unknowns; c++)
-        pattern->rows[starts[c]++] = (int)c;
-    for_each_entry(blocks, width, place, starts, pattern->rows);
-    for (size_t c = unknowns; c > 0; c--) /* each start has moved to the next one's place */
-        starts[c] = starts[c - 1];
-    starts[0] = 0;
-    return 0;
-}
-
-/* Sort each column and drop repeated rows in place; returns the number of entries that stay. */
-static size_t pattern_compress(size_t unknowns, struct pattern *pattern)
-{
-    size_t kept = 0;
-    for (size_t c = 0; c < unknowns; c++) {
-        size_t begin = pattern->starts[c], end = pattern->starts[c + 1];
-        qsort(pattern->rows + begin, end - begin, sizeof(int), compare_ints);
-        pattern->starts[c] = kept;
-        for (size_t k = begin; k < end; k++)
-            if (k == begin || pattern->rows[k] != pattern->rows[k - 1])
-                pattern->rows[kept++] = pattern->rows[k];
-    }
-    pattern->starts[unknowns] = kept;
-    return kept;
-}
-
-static int matrix_from_pattern(struct sparse *sparse, size_t unknowns, const struct pattern *pattern, size_t entries)
-{
-    if (entries > INT_MAX || unknowns > INT_MAX)
+    sparse->width = width;
+    sparse->triangle = width * (width + 1) / 2;
+    if (unknowns > INT_MAX || blocks > (INT_MAX - unknowns) / (size_t)sparse->triangle)
         return error_input("%zu equations: cut the packing", unknowns);
-    sparse->matrix = cholmod_allocate_sparse(unknowns, unknowns, entries, 1, 1, -1, CHOLMOD_REAL, &sparse->common);
-    sparse->diagonal = malloc((unknowns + 1) * sizeof(int));
-    if (!sparse->matrix || !sparse->diagonal)
+    sparse->matrix = pattern(sparse, unknowns, blocks, width, place);
+    if (!sparse->matrix || !cholmod_sparse_xtype(CHOLMOD_REAL, sparse->matrix, &sparse->common))
         return error_memory("matrix");
-    int *p = sparse->matrix->p, *rows = sparse->matrix->i;
-    for (size_t c = 0; c <= unknowns; c++)
-        p[c] = (int)pattern->starts[c];
-    memcpy(rows, pattern->rows, entries * sizeof(int));
-    memcpy(sparse->diagonal, p, unknowns * sizeof(int)); /* rows are sorted: the diagonal comes first */
     return 0;
 }
 
+/* Where the entry (p, q) stands among the values; -1: the block has no such unknown. */
 static int find_slot(const struct sparse *sparse, int p, int q)
 {
     if (p < 0 || q < 0)
         return -1;
     int row = p > q ? p : q, column = p > q ? q : p;
     const int *starts = sparse->matrix->p, *rows = sparse->matrix->i;
-    int low = starts[column], high = starts[column + 1] - 1;
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-        if (rows[middle] < row)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return sorted_find(rows, starts[column], starts[column + 1], row);
 }
 
 static int find_slots(struct sparse *sparse, size_t blocks, int width, const int *place)
 {
-    sparse->width = width;
-    sparse->triangle = width * (width + 1) / 2;
     sparse->slot = malloc((blocks * (size_t)sparse->triangle + 1) * sizeof(int));
     if (!sparse->slot)
         return error_memory("matrix");
@@ -175,18 +120,13 @@ static int analyse(struct sparse *sparse)
 struct sparse *sparse_create(size_t unknowns, size_t blocks, int width, const int *place)
 {
     struct sparse *sparse = calloc(1, sizeof *sparse);
-    struct pattern pattern = {0};
     if (!sparse) {
         error_set(EXIT_FAILED, "out of memory: matrix");
         return NULL;
     }
     cholmod_start(&sparse->common);
-    int failed = pattern_fill(unknowns, blocks, width, place, &pattern) ||
-                 matrix_from_pattern(sparse, unknowns, &pattern, pattern_compress(unknowns, &pattern)) ||
-                 find_slots(sparse, blocks, width, place) || analyse(sparse);
-    free(pattern.starts);
-    free(pattern.rows);
-    if (!failed)
+    if (!build_matrix(sparse, unknowns, blocks, width, place) && !find_slots(sparse, blocks, width, place) &&
+        !analyse(sparse))
         return sparse;
     sparse_free(sparse);
     return NULL;
@@ -203,7 +143,6 @@ void sparse_free(struct sparse *sparse)
     free(sparse->defect);
     free(sparse->correction);
     free(sparse->slot);
-    free(sparse->diagonal);
     free(sparse);
 }
 
@@ -226,19 +165,24 @@ void sparse_add(struct sparse *sparse, size_t block, const double *values)
 void sparse_add_diagonal(struct sparse *sparse, const double *values, double constant)
 {
     double *x = sparse->matrix->x;
+    const int *first = sparse->matrix->p;
     for (size_t d = 0; d < sparse->matrix->nrow; d++)
-        x[sparse->diagonal[d]] += (values ? values[d] : 0) + constant;
+        x[first[d]] += (values ? values[d] : 0) + constant;
 }
 
 double sparse_largest(const struct sparse *sparse)
 {
     const double *x = sparse->matrix->x;
+    const int *first = sparse->matrix->p;
     double largest = 0;
     for (size_t d = 0; d < sparse->matrix->nrow; d++)
-        largest = fmax(largest, fabs(x[sparse->diagonal[d]]));
+        largest = fmax(largest, fabs(x[first[d]]));
     return largest;
 }
 
+/* A packing with a mechanism (a grain that can move without any contact resisting) has a singular stiffness; so has one
+ * whose pivots differ by more than rounding allows. The shift makes both solvable and refinement takes its error away
+ * in every motion that meets stiffness. */
 int sparse_factorise(struct sparse *sparse)
 {
     const double *values = sparse->matrix->x;
@@ -273,7 +217,8 @@ int sparse_solve(struct sparse *sparse, const double *right, double *solution)
         cholmod_dense r = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = sparse->defect, .xtype = CHOLMOD_REAL};
         double minus[2] = {-1, 0}, one[2] = {1, 0};
         memcpy(sparse->defect, right, n * sizeof *right);
-        cholmod_sdmult(sparse->matrix, 0, minus, one, &x, &r, &sparse->common);
+        if (!cholmod_sdmult(sparse->matrix, 0, minus, one, &x, &r, &sparse->common))
+            return error_memory("refinement");
         supernodal_solve(sparse->factor, sparse->defect, sparse->correction);
         for (size_t d = 0; d < n; d++)
             solution[d] += sparse->correction[d];

@@ -8,11 +8,12 @@
 
 struct sparse;
 
-/* A system of `unknowns` equations; block b couples the unknowns place[b * width .. + width - 1], -1: none. */
+/* A system of `unknowns` equations, all zero; NULL, with an error: no memory, or more entries than integers. Block b
+ * couples the unknowns place[b * width .. + width - 1], -1: none. */
 struct sparse *sparse_create(size_t unknowns, size_t blocks, int width, const int *place);
 void sparse_free(struct sparse *sparse); /* NULL is fine */
 
-void sparse_clear(struct sparse *sparse);
+void sparse_clear(struct sparse *sparse); /* all values 0, the pattern stays */
 /* Add a symmetric width x width block (only j <= i is read). */
 void sparse_add(struct sparse *sparse, size_t block, const double *values);
 /* Add to the diagonal: value[d] (NULL: none) + constant. */
@@ -26,6 +27,7 @@ double sparse_largest(const struct sparse *sparse);
 int sparse_factorise(struct sparse *sparse);
 /* Quasi-definite (Vanderbei 1995): factorised as L D L' without pivoting. 0 or -1. */
 int sparse_factorise_indefinite(struct sparse *sparse);
+/* With the last factor; `right` stays as it is and may not be `solution`. 0 or -1. */
 int sparse_solve(struct sparse *sparse, const double *right, double *solution);
 /* Rough reciprocal condition number of the last factor: smallest over largest pivot. */
 double sparse_rcond(struct sparse *sparse);

@@ -1,3 +1,8 @@
+/* Left-looking: each panel of columns first gathers what earlier panels say about it, A(panel) - sum L D L', then it is
+ * factorised by itself. An earlier panel knows by its rows which panel it changes next: it waits in that panel's list
+ * (`head`, `next`), as in sparse left-looking Cholesky (Ng and Peyton 1993), but with D between both factors and with
+ * any sign in D. Quasi-definite matrices have such a factor in every order of the unknowns (Vanderbei 1995). The inner
+ * loop multiplies tiles of four rows with four columns, always in the same order of sums. */
 #include "forces/algebra/supernodal.h"
 
 #include <math.h>
@@ -64,21 +69,15 @@ static size_t fill_panels(struct supernodal *factor, const struct supernodes *su
     return at;
 }
 
+/* Where the entry (row, column) of the ordered matrix stands in x. */
 static size_t place_of(const struct supernodal *factor, int column, int row)
 {
     const struct panel *panel = &factor->panel[factor->panel_of[column]];
-    const int *rows = factor->row + panel->row;
-    int low = 0, high = panel->rows - 1;
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-        if (rows[middle] < row)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return panel->at + (size_t)(column - panel->first) * (size_t)panel->rows + (size_t)low;
+    int at = sorted_find(factor->row + panel->row, 0, panel->rows, row);
+    return panel->at + (size_t)(column - panel->first) * (size_t)panel->rows + (size_t)at;
 }
 
+/* Entries of the given lower triangle go to the lower triangle of the ordered matrix. */
 static void fill_targets(struct supernodal *factor, const int *start, const int *row)
 {
     int *number = factor->where; /* ordered number of each unknown */
@@ -91,6 +90,7 @@ static void fill_targets(struct supernodal *factor, const int *start, const int 
         }
 }
 
+/* Everything but `x`, whose size the panels tell, then `x`. -1: memory is gone; the caller frees. */
 static int allocate(struct supernodal *factor, const struct supernodes *supernodes)
 {
     size_t n = factor->unknowns, rows = (size_t)supernodes->begin[supernodes->count];
@@ -217,6 +217,7 @@ SIMD_CLONES static int eliminate(struct supernodal *factor, const struct panel *
     return 0;
 }
 
+/* Its own columns, four at a time: take away what the columns before say about them, then eliminate. */
 static int factorise_panel(struct supernodal *factor, const struct panel *panel, int definite)
 {
     for (int i = 0; i < panel->rows; i++)
@@ -243,6 +244,7 @@ static void enlist(struct supernodal *factor, int p, int pos)
     factor->head[target] = p;
 }
 
+/* Take what all waiting panels say about panel p from it, and let them wait for the next one that they change. */
 static void gather_changes(struct supernodal *factor, int p)
 {
     const struct panel *to = &factor->panel[p];
@@ -262,6 +264,7 @@ static void gather_changes(struct supernodal *factor, int p)
     }
 }
 
+/* x = the values of A, plus the shift on the diagonal. */
 static void scatter(struct supernodal *factor, const double *values, double shift)
 {
     const struct panel *last = &factor->panel[factor->panels - 1];
@@ -317,6 +320,7 @@ SIMD_CLONES static void solve_down(struct supernodal *factor, const struct panel
         factor->work[row[i]] -= below[i];
 }
 
+/* Four sums side by side. */
 static double dot(const double *a, const double *b, int count)
 {
     quad sum = {0};

@@ -9,6 +9,17 @@
 
 struct supernodal;
 
+/* Where `row` stands among the ascending rows[begin] .. rows[end - 1], of which it is one. */
+static inline int sorted_find(const int *rows, int begin, int end, int row)
+{
+    while (begin < end - 1) {
+        int middle = begin + (end - 1 - begin) / 2;
+        begin = rows[middle] < row ? middle + 1 : begin;
+        end = rows[middle] < row ? end : middle + 1;
+    }
+    return begin;
+}
+
 /* A symbolic analysis: supernode s holds the columns first[s] .. first[s + 1] - 1 of the ordered matrix; its rows are
  * row[begin[s]] .. row[begin[s + 1] - 1], ascending, its own columns among them. */
 struct supernodes {
@@ -24,6 +35,7 @@ void supernodal_free(struct supernodal *factor); /* NULL is fine */
 /* Of the values of that lower triangle, plus `shift` on the diagonal. 0; 1: a pivot was zero or not finite, or, when
  * `definite`, not positive. */
 int supernodal_factorise(struct supernodal *factor, const double *values, double shift, int definite);
+/* L D L' x = right, with the last factor, which must have been successful. */
 void supernodal_solve(struct supernodal *factor, const double *right, double *solution);
 /* Smallest over largest pivot: a rough reciprocal condition number. */
 double supernodal_rcond(const struct supernodal *factor);

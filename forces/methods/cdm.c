@@ -1,19 +1,31 @@
-/* Contact dynamics (thesis 2.1.2): nonlinear Gauss-Seidel over the contacts, each one stopped by Signorini's and
- * Coulomb's laws while the velocities of its bodies are kept up to date. The time step is 1, the bodies start at rest
+/* Contact dynamics (thesis 2.1.2; Moreau 1988, Jean 1999): nonlinear Gauss-Seidel over the contacts, each one stopped
+ * by Signorini's and Coulomb's laws while the velocities of its bodies are kept up to date:
+ *
+ *     v = M^-1 (A f + b),   u = A' v,   fn >= 0, un >= 0, fn un = 0;   |ft| <= mu fn, ft against ut where it slides.
+ *
+ * The time step is 1, the bodies start at rest
  * (so restitution has no part in it), and a static state is one whose velocities vanish. */
-#include "forces/methods/method.h"
+#include "forces/methods/cdm.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "forces/algebra/anderson.h"
 #include "forces/methods/cdm_order.h"
+#include "forces/methods/coulomb.h"
+#include "forces/methods/method.h"
 #include "pipeline/speak/error.h"
 
 enum { CDM_W = 5 /* Wnn, Wnt, Wtt, 1 / Wnn, 1 / Wtt */ };
-enum { CDM_WORSE = 10 };
-enum { CDM_SWEEPS = 20000, CDM_LOOK = 20 /* sweeps between two looks at the imbalance */, CDM_PATIENCE = 4000 };
+enum {
+    CDM_WORSE = 10,      /* times what the block before left: acceleration begins anew */
+    CDM_SWEEPS = 20000,  /* limit, when none is given */
+    CDM_LOOK = 20,       /* sweeps between two looks at the imbalance */
+    CDM_PATIENCE = 4000, /* sweeps without a better imbalance */
+};
 
+/* Stick: u = 0 solves 2 x 2 equations for the change of (fn, ft). Where that leaves the cone the contact slips: un = 0
+ * with ft = +-mu fn, on the side where stick would have put it; where it pulls, the contact opens. */
 void cdm_contact(const double w[3], double mu, double un, double ut, double relaxation, double *fn, double *ft)
 {
     double determinant = w[0] * w[2] - w[1] * w[1], old_n = *fn, old_t = *ft;
@@ -77,7 +89,7 @@ struct cdm {
     const struct network *network;
     const struct force_options *options;
     struct cdm_order order;
-    double (*w)[CDM_W];
+    double (*w)[CDM_W];           /* per contact */
     double *f, *held, *unbalance; /* unbalance: resultant on each degree of freedom */
 };
 
@@ -110,8 +122,7 @@ static inline size_t correct(const struct cdm *cdm, size_t c)
     double dn = fn - f[2 * c], dt = ft - f[2 * c + 1];
     if (dn == 0 && dt == 0)
         return 0;
-    for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-        cdm->unbalance[contact->dof[e]] += contact->n[e] * dn + contact->t[e] * dt;
+    contact_push(contact, dn, dt, cdm->unbalance);
     f[2 * c] = fn;
     f[2 * c + 1] = ft;
     return 1;
@@ -196,6 +207,7 @@ static void iterate(const struct cdm *cdm, struct anderson *anderson, double *x,
     outcome->converged = best->imbalance <= options->tolerance;
 }
 
+/* The start is brought into the cones first: what is held is held there. */
 static int begin(struct cdm *cdm)
 {
     const struct network *network = cdm->network;
@@ -212,8 +224,10 @@ static int begin(struct cdm *cdm)
     return cdm_order_build(network, cdm->options->colours, &cdm->order);
 }
 
-int cdm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
+static int solve(const struct problem *problem, double *f, struct outcome *outcome)
 {
+    const struct network *network = problem->network;
+    const struct force_options *options = problem->options;
     struct cdm cdm = {.network = network, .options = options, .f = f};
     struct anderson anderson = {0};
     size_t unknowns = 2 * network->count;
@@ -231,3 +245,15 @@ int cdm_solve(const struct network *network, const struct force_options *options
     free(cdm.w), free(cdm.unbalance), free(cdm.held), free(best.f), free(x);
     return status;
 }
+
+const struct method CDM_METHOD = {.name = "cdm",
+                                  .says =
+                                      "contact dynamics, rigid grains (forces.block 10 in the scene accelerates it, "
+                                      "forces.colours uses all threads)",
+                                  .starts = 1,
+                                  .balances = 1,
+                                  .walks = 1,
+                                  .ranges = 1,
+                                  .margin = METHOD_MARGIN,
+                                  .doubt = 0.01,
+                                  .solve = solve};

@@ -1,3 +1,5 @@
+/* Greedy colouring: each contact takes the first colour that no contact of its grains has yet, one bit per colour and
+ * degree of freedom. Where no grain has more than d contacts, 2 d - 1 colours are enough. */
 #include "forces/methods/cdm_order.h"
 
 #include <stdlib.h>
@@ -5,7 +7,7 @@
 
 #include "pipeline/speak/error.h"
 
-enum { MOST_COLOURS = 64 };
+enum { MOST_COLOURS = 64 }; /* bits of a word */
 
 /* First degree of freedom of a wall: they come last. */
 static long first_wall(const struct network *network)

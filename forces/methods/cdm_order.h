@@ -13,7 +13,7 @@ struct cdm_order {
     int colours; /* without the last group */
 };
 
-/* coloured 0: one group, in the order of the network. */
+/* coloured 0: one group, in the order of the network. 0, or -1 when memory is gone; free it even then. */
 int cdm_order_build(const struct network *network, int coloured, struct cdm_order *order);
 void cdm_order_free(struct cdm_order *order); /* accepts a zeroed struct */
 

@@ -1,5 +1,8 @@
-/* Projections onto the Coulomb cone fn >= 0, |ft| <= mu fn. */
-#include "forces/methods/method.h"
+/* Projections onto the Coulomb cone fn >= 0, |ft| <= mu fn. The vertical one keeps fn, as sliding does in Coulomb's law
+ * (thesis 2.1.3); the orthogonal one finds the nearest point, which would be associated flow: sliding that opens. */
+#include "forces/methods/coulomb.h"
+
+#include <math.h>
 
 static void vertical(double mu, double *fn, double *ft)
 {
@@ -10,6 +13,7 @@ static void vertical(double mu, double *fn, double *ft)
     *ft = fmax(-mu * *fn, fmin(mu * *fn, *ft));
 }
 
+/* On the edge (1, mu) / sqrt(1 + mu^2) nearest to f; where f lies beyond the corner, the corner. */
 static void orthogonal(double mu, double *fn, double *ft)
 {
     if (*fn >= 0 && fabs(*ft) <= mu * *fn)

@@ -1,12 +1,18 @@
-/* Interior point for map. The cones become mu fn - ft = s1 >= 0 and mu fn + ft = s2 >= 0 (fn = s1 where there is no
- * friction) with multipliers q; it ends where s q = weight for every edge, so that the barrier -weight log s is part of
- * the objective. Each step solves one sparse system, the 2 x 2 compliance of a contact being
- * (W + G' diag(q / s) G)^-1. The number of steps hardly depends on the problem. */
+/* Primal-dual interior point for map (Mehrotra 1992: a predictor towards the boundary tells how much centring the
+ * corrector needs). The cones are sides with multipliers (cone.h); it ends where side times press is the weight on
+ * every side, so that the barrier -weight log side is part of the objective. Eliminating f, side and press contact by
+ * contact leaves a 2 x 2 compliance
+ *
+ *     D = (W + G' diag(press / side) G)^-1,   W = 1 / variance,
+ *
+ * and one sparse system in (y, l) per step (map_system.c). Steps are computed in side coordinates, where nothing
+ * cancels when a contact comes close to an edge. The number of steps hardly depends on the problem. */
 #include "forces/methods/map.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/cone.h"
 #include "pipeline/speak/error.h"
 
 enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalance must halve, unless `feasible` */ };
@@ -14,47 +20,26 @@ enum { INTERIOR_STEPS = 60, INTERIOR_PATIENCE = 6 /* steps in which the imbalanc
 #define INTERIOR_BALANCE 0.1    /* of the tolerance */
 #define INTERIOR_DATA 1e-6      /* in <fn>, and in 1 / <fn> for the multipliers */
 #define INTERIOR_ROUNDING 1e-15 /* of the largest multiplier: near mechanisms have large ones */
-#define INTERIOR_OFF 1e-2       /* how well s q is its weight, as a share of it */
+#define INTERIOR_OFF 1e-2       /* how well side press is its weight, as a share of it */
 #define INTERIOR_ROUGH_OFF 0.3  /* of a rough solution */
+#define FAR 2                   /* mean weights: gaps that are larger are aimed straight at the boundary */
 #define BOUNDARY 0.995          /* share of the way to the boundary that a step may go */
+
+static double friction(const struct map *map, size_t c)
+{
+    return map->network->contact[c].mu;
+}
 
 static int sides(const struct map *map, size_t c)
 {
-    return map->network->contact[c].mu > 0 ? 2 : 1;
+    return cone_sides(friction(map, c));
 }
 
-/* Between (fn, ft) and the edge coordinates s = G f: s1 = mu fn - ft, s2 = mu fn + ft. Steps are computed in s, where
- * nothing cancels when a contact comes close to an edge. */
-static void from_edges(double mu, const double s[2], double f[2])
+void map_set_force(struct map *map, size_t c, double fn)
 {
-    f[0] = mu > 0 ? (s[0] + s[1]) / (2 * mu) : s[0];
-    f[1] = mu > 0 ? (s[1] - s[0]) / 2 : 0;
-}
-
-static void edges(double mu, double fn, double ft, double out[2])
-{
-    out[0] = mu > 0 ? mu * fn - ft : fn;
-    out[1] = mu > 0 ? mu * fn + ft : 1;
-}
-
-/* G' a, and the inverse of G' times v. */
-static void edges_transposed(double mu, const double a[2], double out[2])
-{
-    out[0] = mu > 0 ? mu * (a[0] + a[1]) : a[0];
-    out[1] = mu > 0 ? a[1] - a[0] : 0;
-}
-
-static void to_edges_transposed(double mu, double vn, double vt, double out[2])
-{
-    out[0] = mu > 0 ? vn / (2 * mu) - vt / 2 : vn;
-    out[1] = mu > 0 ? vn / (2 * mu) + vt / 2 : 0;
-}
-
-void map_set_edges(struct map *map, size_t c, double fn, double ft)
-{
-    double mu = map->network->contact[c].mu;
-    edges(mu, fn, ft, map->s[c]);
-    from_edges(mu, map->s[c], &map->forces[2 * c]);
+    const double f[2] = {fn, 0};
+    cone_side(friction(map, c), f, map->side[c]);
+    cone_force(friction(map, c), map->side[c], &map->forces[2 * c]);
 }
 
 /* What the present point leaves of each equation. */
@@ -77,12 +62,12 @@ static void residuals(struct map *map)
         data[c] =
             map_measured(map, c) ? f[0] + map_error_at(map, c) + map->slack[c] * map->l[c] - evidence->measured[c] : 0;
         map->data = fmax(map->data, fabs(data[c]));
-        edges_transposed(map->network->contact[c].mu, map->q[c], pull);
+        cone_transposed(friction(map, c), map->press[c], pull);
         map->dual[2 * c] = (f[0] - f0[0]) / v[0] - map->relative[2 * c] - map->l[c] - pull[0];
         map->dual[2 * c + 1] = sides(map, c) < 2 ? 0 : (f[1] - f0[1]) / v[1] - map->relative[2 * c + 1] - pull[1];
         map->data = fmax(map->data, fmax(fabs(map->dual[2 * c]), fabs(map->dual[2 * c + 1])));
         for (int k = 0; k < sides(map, c); k++, count++) {
-            double product = map->s[c][k] * map->q[c][k];
+            double product = map->side[c][k] * map->press[c][k];
             sum += product;
             map->off = fmax(map->off, fabs(product / map->weight[c] - 1));
         }
@@ -90,13 +75,13 @@ static void residuals(struct map *map)
     map->gap = count > 0 ? sum / count : 0;
 }
 
-/* The compliance of each contact in edge coordinates, (G^-T W G^-1 + diag(q / s))^-1, and from it that of (fn, ft). */
+/* The compliance of each contact in side coordinates, (G^-T W G^-1 + diag(q / s))^-1, and from it that of (fn, ft). */
 static void compliances(struct map *map)
 {
     for (size_t c = 0; c < map->count; c++) {
         const double *v = &map->variance[2 * c];
-        double mu = map->network->contact[c].mu, *curve = map->curve[c], *d = map->compliance[c];
-        double p = map->q[c][0] / map->s[c][0], m = map->q[c][1] / map->s[c][1];
+        double mu = friction(map, c), *curve = map->curve[c], *d = map->compliance[c];
+        double p = map->press[c][0] / map->side[c][0], m = map->press[c][1] / map->side[c][1];
         if (sides(map, c) < 2) {
             curve[0] = d[0] = 1 / (1 / v[0] + p);
             curve[1] = curve[2] = d[1] = d[2] = 0;
@@ -119,20 +104,19 @@ static void push(struct map *map)
         const double *d = map->compliance[c];
         double a[2] = {0, 0}, pull[2];
         for (int k = 0; k < sides(map, c); k++)
-            a[k] = map->target[c][k] / map->s[c][k];
-        to_edges_transposed(contact->mu, map->dual[2 * c], map->dual[2 * c + 1], pull);
+            a[k] = map->target[c][k] / map->side[c][k];
+        cone_transposed_inverse(contact->mu, map->dual[2 * c], map->dual[2 * c + 1], pull);
         a[0] -= pull[0], a[1] -= pull[1];
-        map->push_s[c][0] = d[0] * a[0] + d[1] * a[1];
-        map->push_s[c][1] = d[1] * a[0] + d[2] * a[1];
-        from_edges(contact->mu, map->push_s[c], &map->push[2 * c]);
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            map->left[contact->dof[e]] += contact->n[e] * map->push[2 * c] + contact->t[e] * map->push[2 * c + 1];
+        map->push_side[c][0] = d[0] * a[0] + d[1] * a[1];
+        map->push_side[c][1] = d[1] * a[0] + d[2] * a[1];
+        cone_force(contact->mu, map->push_side[c], &map->push[2 * c]);
+        contact_push(contact, map->push[2 * c], map->push[2 * c + 1], map->left);
         if (map_measured(map, c))
             map->left[map->dofs + c] += map->push[2 * c];
     }
 }
 
-/* df, ds, dq from dy, dl. */
+/* dside, dpress from dy, dl. */
 static void follow(struct map *map)
 {
     const double *dl = map->step + map->dofs;
@@ -140,15 +124,15 @@ static void follow(struct map *map)
     for (size_t c = 0; c < map->count; c++) {
         const double *d = map->compliance[c];
         double h[2];
-        to_edges_transposed(map->network->contact[c].mu, map->relative[2 * c] + dl[c], map->relative[2 * c + 1], h);
-        map->ds[c][0] = d[0] * h[0] + d[1] * h[1] + map->push_s[c][0];
-        map->ds[c][1] = d[1] * h[0] + d[2] * h[1] + map->push_s[c][1];
+        cone_transposed_inverse(friction(map, c), map->relative[2 * c] + dl[c], map->relative[2 * c + 1], h);
+        map->dside[c][0] = d[0] * h[0] + d[1] * h[1] + map->push_side[c][0];
+        map->dside[c][1] = d[1] * h[0] + d[2] * h[1] + map->push_side[c][1];
         for (int k = 0; k < sides(map, c); k++)
-            map->dq[c][k] = (map->target[c][k] - map->q[c][k] * map->ds[c][k]) / map->s[c][k];
+            map->dpress[c][k] = (map->target[c][k] - map->press[c][k] * map->dside[c][k]) / map->side[c][k];
     }
 }
 
-/* The step towards s q = s q + target, with the last factor; `keep` holds what is left. */
+/* The step towards side press = side press + target, with the last factor; `keep` holds what is left. */
 static int solve_step(struct map *map, const double *keep)
 {
     memcpy(map->left, keep, (map->dofs + map->count) * sizeof(double));
@@ -159,20 +143,16 @@ static int solve_step(struct map *map, const double *keep)
     return 0;
 }
 
-/* How far s and q stay positive along the step. */
+/* How far side and press stay positive along the step. */
 static double longest(const struct map *map)
 {
     double length = 1 / BOUNDARY;
     for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < sides(map, c); k++) {
-            if (map->ds[c][k] < 0)
-                length = fmin(length, -map->s[c][k] / map->ds[c][k]);
-            if (map->dq[c][k] < 0)
-                length = fmin(length, -map->q[c][k] / map->dq[c][k]);
-        }
+        length = cone_reach(friction(map, c), map->side[c], map->dside[c], map->press[c], map->dpress[c], length);
     return fmin(1, BOUNDARY * length);
 }
 
+/* What side times press shall be in the end, in the mean. */
 static double mean_weight(const struct map *map)
 {
     double sum = 0, count = 0;
@@ -181,12 +161,15 @@ static double mean_weight(const struct map *map)
     return count > 0 ? sum / count : 0;
 }
 
-/* Targets of the predictor: far away straight to the boundary, near the end to the weights. */
-static void aim(struct map *map, int far)
+/* Targets: side times press shall be `centre` and no less than the weights (near the end) or 0 (far away: straight to
+ * the boundary). The second-order term of the last step, the predictor's, is taken into account by its share, 0 or 1.
+ */
+static void aim(struct map *map, int far, double centre, double share)
 {
     for (size_t c = 0; c < map->count; c++)
         for (int k = 0; k < sides(map, c); k++)
-            map->target[c][k] = (far ? 0 : map->weight[c]) - map->s[c][k] * map->q[c][k];
+            map->target[c][k] = fmax(centre, far ? 0 : map->weight[c]) - map->side[c][k] * map->press[c][k] -
+                                share * map->dside[c][k] * map->dpress[c][k];
 }
 
 /* How much centring the predictor shows to be needed. */
@@ -195,22 +178,14 @@ static double centring(const struct map *map, double weight)
     double length = longest(map), after = 0, count = 0;
     for (size_t c = 0; c < map->count; c++)
         for (int k = 0; k < sides(map, c); k++, count++)
-            after += (map->s[c][k] + length * map->ds[c][k]) * (map->q[c][k] + length * map->dq[c][k]);
+            after += (map->side[c][k] + length * map->dside[c][k]) * (map->press[c][k] + length * map->dpress[c][k]);
     double share = map->gap > 0 && count > 0 ? fmin(1, fabs(after / count - weight) / map->gap) : 0;
     double centre = pow(share, 3) * map->gap;
     /* the last step was cut short: away from the boundary first */
     return map->length < 0.3 ? fmax(centre, 0.2 * map->gap) : centre;
 }
 
-/* Targets of the corrector, with the second-order term of the predictor (share 1) or without (0). */
-static void aim_again(struct map *map, double centre, double share)
-{
-    for (size_t c = 0; c < map->count; c++)
-        for (int k = 0; k < sides(map, c); k++)
-            map->target[c][k] =
-                fmax(centre, map->weight[c]) - map->s[c][k] * map->q[c][k] - share * map->ds[c][k] * map->dq[c][k];
-}
-
+/* (y, l) and (side, press) go the same length; the forces follow from the sides. */
 static void move(struct map *map)
 {
     map->length = longest(map);
@@ -218,28 +193,30 @@ static void move(struct map *map)
         map->y[d] += map->length * map->step[d];
     for (size_t c = 0; c < map->count; c++) {
         for (int k = 0; k < sides(map, c); k++) {
-            map->s[c][k] += map->length * map->ds[c][k];
-            map->q[c][k] += map->length * map->dq[c][k];
+            map->side[c][k] += map->length * map->dside[c][k];
+            map->press[c][k] += map->length * map->dpress[c][k];
         }
-        from_edges(map->network->contact[c].mu, map->s[c], &map->forces[2 * c]);
+        cone_force(friction(map, c), map->side[c], &map->forces[2 * c]);
     }
 }
 
+/* One step: predictor, centring, corrector; where the corrector's second-order term cuts the step to less than half of
+ * the predictor's, once more without it. One factorisation, two or three solves. */
 static int advance(struct map *map, double *keep)
 {
     double weight = mean_weight(map);
-    int far = map->gap > 2 * weight;
+    int far = map->gap > FAR * weight;
     memcpy(keep, map->left, (map->dofs + map->count) * sizeof(double));
     compliances(map);
-    aim(map, far);
+    aim(map, far, 0, 0);
     if (map_factorise(map) || solve_step(map, keep))
         return -1;
     double centre = centring(map, far ? 0 : weight), reach = longest(map);
-    aim_again(map, centre, 1);
+    aim(map, 0, centre, 1);
     if (solve_step(map, keep))
         return -1;
     if (longest(map) < 0.5 * reach) { /* the second-order term misleads */
-        aim_again(map, fmax(centre, 0.2 * map->gap), 0);
+        aim(map, 0, fmax(centre, 0.2 * map->gap), 0);
         if (solve_step(map, keep))
             return -1;
     }
@@ -247,6 +224,8 @@ static int advance(struct map *map, double *keep)
     return 0;
 }
 
+/* Ends when equilibrium, data and products are all good enough, each by its own measure. A problem that may have no
+ * solution is given up when its imbalance has not halved within INTERIOR_PATIENCE steps. */
 int map_interior(struct map *map, int *iterations)
 {
     double *keep = malloc((map->dofs + map->count + 1) * sizeof *keep);

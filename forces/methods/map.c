@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/speak/error.h"
-
 /* When the network as it is cannot be balanced: the unknown load on a grain has Student's distribution of this scale
  * and degree (Cauchy), so that few grains miss much and the others nothing. */
 #define SOFT_BALANCE 0.01 /* <fn>: what one calls balanced in the experiment (thesis Fig. 4.41) */
@@ -58,6 +56,7 @@ static void set_friction(struct map *map)
     }
 }
 
+/* The same variance everywhere, more where a partner of the grain is missing. */
 static void set_soft(struct map *map, double least)
 {
     for (size_t d = 0; d < map->dofs; d++)
@@ -79,6 +78,7 @@ static void set_soft_again(struct map *map)
     }
 }
 
+/* What the round has told about each contact, for the next one. */
 static void learn(struct map *map)
 {
     set_slack(map, 0);
@@ -118,6 +118,7 @@ static int solve_hard(struct map *map, struct outcome *outcome)
     return status ? status : largest_load(map) > tolerance;
 }
 
+/* Reweighted SOFT_ROUNDS times, from scratch: the last point was that of another problem. */
 static int solve_soft(struct map *map, struct outcome *outcome)
 {
     map->warm = 0;
@@ -135,6 +136,7 @@ static int solve_soft(struct map *map, struct outcome *outcome)
     return 0;
 }
 
+/* With equilibrium exact; where that has no solution, with an unknown load on every grain. */
 int map_rounds(struct map *map, struct outcome *outcome)
 {
     *outcome = (struct outcome){0};
@@ -143,8 +145,8 @@ int map_rounds(struct map *map, struct outcome *outcome)
     return status < 0 || (status > 0 && solve_soft(map, outcome)) ? -1 : 0;
 }
 
-int map_solve(const struct network *network, const struct force_options *options, struct evidence *evidence, double *f,
-              struct outcome *outcome)
+int map_solve(const struct network *network, const struct force_options *options, const struct evidence *evidence,
+              double *f, struct outcome *outcome)
 {
     struct map map;
     int status = map_begin(network, options, evidence, &map) || map_rounds(&map, outcome) ? -1 : 0;

@@ -9,7 +9,7 @@
 
 #include "pipeline/speak/error.h"
 
-#define FIRST_GAP 10  /* s q at the start: about that of overlaps wrong by a few <fn> */
+#define FIRST_GAP 10  /* side press at the start: about that of overlaps wrong by a few <fn> */
 #define PARALLEL 1e-9 /* two contacts whose equations are this near to dependent are left alone */
 #define EDGE 1e-9     /* of the larger force: nearer than this to the edge of a cone is inside */
 
@@ -36,6 +36,7 @@ static int balance_two(const struct network_contact *const contact[2], const int
     return largest > PARALLEL;
 }
 
+/* Is one of both signs of that pair inside both cones? Two contacts whose equations are dependent can hold anything. */
 static int can_hold(const struct network_contact *const contact[2], const int at[2])
 {
     double v[4], edge;
@@ -52,6 +53,7 @@ static int can_hold(const struct network_contact *const contact[2], const int at
     return 0;
 }
 
+/* Does anything but its contacts push the grain with these degrees of freedom? */
 static int loaded(const struct map *map, long dof)
 {
     for (long d = dof; d < dof + 3; d++)
@@ -102,13 +104,13 @@ static double corner_force(const struct map *map, size_t c)
     return sqrt(map->weight[c] * soft);
 }
 
-/* No friction; s and q such that their product is FIRST_GAP, or, in the corner, the weight. */
+/* No friction; side and press such that their product is FIRST_GAP, or, in the corner, the weight. */
 static void place(struct map *map, size_t c, int idle)
 {
     double fn = idle ? corner_force(map, c) : 1;
-    map_set_edges(map, c, fn, 0);
+    map_set_force(map, c, fn);
     for (int k = 0; k < 2; k++)
-        map->q[c][k] = (idle ? map->weight[c] : FIRST_GAP) / map->s[c][k];
+        map->press[c][k] = (idle ? map->weight[c] : FIRST_GAP) / map->side[c][k];
 }
 
 int map_cold_start(struct map *map)

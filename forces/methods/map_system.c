@@ -11,9 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/arena.h"
 #include "pipeline/speak/error.h"
 
-static struct sparse *network_matrix(const struct map *map)
+/* Each contact couples the degrees of freedom and the errors that it touches. */
+static struct sparse *system_matrix(const struct map *map)
 {
     int *place = malloc((map->count * MAP_WIDTH + 1) * sizeof *place);
     if (!place) {
@@ -32,53 +34,49 @@ static struct sparse *network_matrix(const struct map *map)
     return matrix;
 }
 
-static double *take(double **at, size_t count)
+static size_t lay_out(struct map *map, double *block)
 {
-    double *taken = *at;
-    *at += count;
-    return taken;
-}
-
-static size_t store_size(const struct map *map)
-{
-    return 33 * map->count + 7 * map->dofs + 4 * map->errors + 1;
+    struct arena taken = {.block = block}, *arena = &taken;
+    size_t n = map->count, dofs = map->dofs, system = dofs + map->errors;
+    map->soft = arena_take(arena, dofs), map->slack = arena_take(arena, n), map->weight = arena_take(arena, n);
+    map->variance = arena_take(arena, 2 * n);
+    map->y = arena_take(arena, dofs), map->l = arena_take(arena, n); /* side by side, as left and step are */
+    map->forces = arena_take(arena, 2 * n), map->error = arena_take(arena, map->errors);
+    map->left = arena_take(arena, dofs + n), map->step = arena_take(arena, dofs + n);
+    map->right = arena_take(arena, system), map->found = arena_take(arena, system);
+    map->diagonal = arena_take(arena, system);
+    map->relative = arena_take(arena, 2 * n), map->dual = arena_take(arena, 2 * n),
+    map->push = arena_take(arena, 2 * n);
+    map->side = arena_rows(arena, n, 2), map->press = arena_rows(arena, n, 2);
+    map->dside = arena_rows(arena, n, 2), map->dpress = arena_rows(arena, n, 2);
+    map->target = arena_rows(arena, n, 2), map->push_side = arena_rows(arena, n, 2);
+    map->compliance = arena_rows(arena, n, 3), map->curve = arena_rows(arena, n, 3);
+    return arena->used;
 }
 
 int map_begin(const struct network *network, const struct force_options *options, const struct evidence *evidence,
               struct map *map)
 {
-    size_t n = network->count, dofs = network->dofs, errors = evidence->errors;
     *map = (struct map){.network = network,
                         .options = options,
                         .evidence = evidence,
                         .rough = 1,
-                        .dofs = dofs,
-                        .count = n,
-                        .errors = errors};
-    map->store = calloc(store_size(map), sizeof(double));
+                        .dofs = network->dofs,
+                        .count = network->count,
+                        .errors = evidence->errors};
+    map->size = lay_out(map, NULL) + 1;
+    map->store = calloc(map->size, sizeof(double));
     if (!map->store)
         return error_memory("map");
-    double *at = map->store;
-    map->soft = take(&at, dofs), map->slack = take(&at, n), map->weight = take(&at, n);
-    map->variance = take(&at, 2 * n);
-    map->y = take(&at, dofs), map->l = take(&at, n); /* side by side, as left and step are */
-    map->forces = take(&at, 2 * n), map->error = take(&at, errors);
-    map->left = take(&at, dofs + n), map->step = take(&at, dofs + n);
-    map->right = take(&at, dofs + errors), map->found = take(&at, dofs + errors),
-    map->diagonal = take(&at, dofs + errors);
-    map->relative = take(&at, 2 * n), map->dual = take(&at, 2 * n), map->push = take(&at, 2 * n);
-    map->s = (double(*)[2])take(&at, 2 * n), map->q = (double(*)[2])take(&at, 2 * n);
-    map->ds = (double(*)[2])take(&at, 2 * n), map->dq = (double(*)[2])take(&at, 2 * n);
-    map->target = (double(*)[2])take(&at, 2 * n), map->push_s = (double(*)[2])take(&at, 2 * n);
-    map->compliance = (double(*)[3])take(&at, 3 * n), map->curve = (double(*)[3])take(&at, 3 * n);
-    memcpy(map->variance, evidence->variance, 2 * n * sizeof(double));
-    map->matrix = network_matrix(map);
+    lay_out(map, map->store);
+    memcpy(map->variance, evidence->variance, 2 * map->count * sizeof(double));
+    map->matrix = system_matrix(map);
     return map->matrix ? 0 : -1;
 }
 
 void map_copy(const struct map *from, struct map *to)
 {
-    memcpy(to->store, from->store, store_size(from) * sizeof(double));
+    memcpy(to->store, from->store, from->size * sizeof(double));
     to->warm = from->warm;
     to->feasible = from->feasible;
     to->length = from->length;
@@ -112,19 +110,26 @@ void map_errors(struct map *map)
             map->error[map->evidence->place[c][k]] += map->evidence->share[c][k] * map->l[c];
 }
 
+/* What a unit of the pull along its normal lets contact c do on its entry `dof`: (A D n) there. */
+static double stroke(const struct map *map, size_t c, int dof)
+{
+    const struct network_contact *contact = &map->network->contact[c];
+    return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
+}
+
 /* What contact c adds to the system: its equilibrium part less what its overlap equation takes up (d its pivot). */
 static void add_block(struct map *map, size_t c)
 {
     const struct network_contact *contact = &map->network->contact[c];
     const double *curve = map->curve[c], *share = map->evidence->share[c];
-    double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH], b[NETWORK_WIDTH];
+    double block[MAP_WIDTH * MAP_WIDTH] = {0}, a[NETWORK_WIDTH];
     int measured = map_measured(map, c);
     double d = curve[0] + map->slack[c], gain = measured ? 1 / d : 0;
+    contact_block(contact, curve, MAP_WIDTH, block);
     for (int i = 0; i < NETWORK_WIDTH; i++) {
-        a[i] = contact->n[i] * curve[0] + contact->t[i] * curve[1];
-        b[i] = contact->n[i] * curve[1] + contact->t[i] * curve[2];
+        a[i] = stroke(map, c, i);
         for (int j = 0; j <= i; j++)
-            block[i * MAP_WIDTH + j] = a[i] * contact->n[j] + b[i] * contact->t[j] - gain * a[i] * a[j];
+            block[i * MAP_WIDTH + j] -= gain * a[i] * a[j];
     }
     for (int i = 0; i < EVIDENCE_WIDTH && measured; i++) {
         double *row = &block[(NETWORK_WIDTH + i) * MAP_WIDTH];
@@ -158,12 +163,7 @@ int map_factorise(struct map *map)
     return 0;
 }
 
-static double stroke(const struct map *map, size_t c, int dof)
-{
-    const struct network_contact *contact = &map->network->contact[c];
-    return contact->n[dof] * map->curve[c][0] + contact->t[dof] * map->curve[c][1];
-}
-
+/* The right-hand side in (y, e): l eliminated. */
 static void fill_right(struct map *map)
 {
     memset(map->right, 0, (map->dofs + map->errors) * sizeof(double));
@@ -179,6 +179,7 @@ static void fill_right(struct map *map)
     }
 }
 
+/* dy from the system; dl contact by contact from its overlap equation. */
 int map_back_solve(struct map *map)
 {
     fill_right(map);

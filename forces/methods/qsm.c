@@ -1,16 +1,22 @@
 /* Quasi-static method (thesis 2.1.3): the forces are projected in turn onto equilibrium (a linear solve with the
  * stiffness matrix K = A D A', factorised once) and onto the Coulomb cones (contact by contact), from any start.
  * Working stiffness: 1 along normals, kt/kn along tangents. */
-#include "forces/methods/method.h"
-
 #include <stdlib.h>
 #include <string.h>
 
 #include "forces/algebra/anderson.h"
+#include "forces/algebra/arena.h"
 #include "forces/algebra/sparse.h"
+#include "forces/methods/coulomb.h"
+#include "forces/methods/method.h"
 #include "pipeline/speak/error.h"
 
-enum { QSM_ITERATIONS = 4000, FAILURES = 20, PAUSE = 25 };
+enum {
+    QSM_ITERATIONS = 4000, /* limit, when none is given */
+    FAILURES = 20,         /* restarts after which plain projections go on for a while */
+    PAUSE = 25,            /* iterations; doubled each time, 64-fold at the most */
+};
+#define WORSE 10 /* times the best imbalance: acceleration has failed */
 
 /* A component that is held gets next to no stiffness: the others take up what is out of balance. */
 #define HELD_STIFFNESS 1e-8
@@ -19,17 +25,21 @@ struct qsm {
     const struct network *network;
     const struct force_options *options;
     struct sparse *matrix;
+    double *store;     /* all arrays below */
     double *stiffness; /* per component of f */
     double *held;      /* start forces */
     double *unbalance, *motion, *relative;
+    double *x, *p, *g; /* statically admissible; its plastic projection, which is judged; the next x */
+    double *best;      /* the p of least imbalance so far */
 };
 
 static void qsm_free(struct qsm *qsm)
 {
     sparse_free(qsm->matrix);
-    free(qsm->stiffness), free(qsm->held), free(qsm->unbalance), free(qsm->motion), free(qsm->relative);
+    free(qsm->store);
 }
 
+/* Contacts without friction have no tangential stiffness, held components next to none. */
 static void fill_stiffness(struct qsm *qsm)
 {
     for (size_t c = 0; c < qsm->network->count; c++) {
@@ -43,43 +53,43 @@ static void fill_stiffness(struct qsm *qsm)
     }
 }
 
+/* K = A D A' is factorised once: it does not change with the forces. */
 static int build_matrix(struct qsm *qsm)
 {
     const struct network *network = qsm->network;
-    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
-    if (!place)
-        return error_memory("stiffness matrix");
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
-    qsm->matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
-    free(place);
+    qsm->matrix = network_matrix(network);
     if (!qsm->matrix)
         return -1;
     sparse_clear(qsm->matrix);
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
+        const double stiffness[3] = {qsm->stiffness[2 * c], 0, qsm->stiffness[2 * c + 1]};
         double block[NETWORK_WIDTH * NETWORK_WIDTH];
-        for (int i = 0; i < NETWORK_WIDTH; i++)
-            for (int j = 0; j <= i; j++)
-                block[i * NETWORK_WIDTH + j] = qsm->stiffness[2 * c] * contact->n[i] * contact->n[j] +
-                                               qsm->stiffness[2 * c + 1] * contact->t[i] * contact->t[j];
+        contact_block(&network->contact[c], stiffness, NETWORK_WIDTH, block);
         sparse_add(qsm->matrix, c, block);
     }
     return sparse_factorise(qsm->matrix) < 0 ? -1 : 0;
 }
 
+static size_t lay_out(struct qsm *qsm, double *block)
+{
+    struct arena arena = {.block = block};
+    size_t unknowns = 2 * qsm->network->count;
+    qsm->stiffness = arena_take(&arena, unknowns), qsm->held = arena_take(&arena, unknowns);
+    qsm->relative = arena_take(&arena, unknowns);
+    qsm->unbalance = arena_take(&arena, qsm->network->dofs), qsm->motion = arena_take(&arena, qsm->network->dofs);
+    qsm->x = arena_take(&arena, unknowns), qsm->p = arena_take(&arena, unknowns);
+    qsm->g = arena_take(&arena, unknowns), qsm->best = arena_take(&arena, unknowns);
+    return arena.used;
+}
+
 static int qsm_begin(const struct network *network, const struct force_options *options, const double *f,
                      struct qsm *qsm)
 {
-    size_t unknowns = 2 * network->count + 1;
     *qsm = (struct qsm){.network = network, .options = options};
-    qsm->stiffness = malloc(unknowns * sizeof(double));
-    qsm->held = malloc(unknowns * sizeof(double));
-    qsm->relative = malloc(unknowns * sizeof(double));
-    qsm->unbalance = malloc((network->dofs + 1) * sizeof(double));
-    qsm->motion = malloc((network->dofs + 1) * sizeof(double));
-    if (!qsm->stiffness || !qsm->held || !qsm->relative || !qsm->unbalance || !qsm->motion)
+    qsm->store = calloc(lay_out(qsm, NULL) + 1, sizeof(double));
+    if (!qsm->store)
         return error_memory("quasi-static method");
+    lay_out(qsm, qsm->store);
     memcpy(qsm->held, f, 2 * network->count * sizeof(double));
     fill_stiffness(qsm);
     return build_matrix(qsm);
@@ -97,71 +107,75 @@ static int project_static(struct qsm *qsm, const double *f, double *out)
     return 0;
 }
 
-/* x: statically admissible; p: its plastic projection, which is judged; g: the next x. */
-struct points {
-    double *x, *p, *g, *best;
-};
-
 /* The accelerated iteration with a way back: when it has made the imbalance ten times worse than the best, it restarts
  * from the best point without history. After some failures plain projections lead on from there for a while before they
  * are accelerated again. */
-static int iterate(struct qsm *qsm, struct anderson *anderson, struct points *at, struct outcome *outcome)
+static int iterate(struct qsm *qsm, struct anderson *anderson, struct outcome *outcome)
 {
     size_t size = 2 * qsm->network->count * sizeof(double);
     int limit = qsm->options->iterations > 0 ? qsm->options->iterations : QSM_ITERATIONS, pause = 0, failures = 0;
     double best = INFINITY;
     for (outcome->iterations = 0;; outcome->iterations++) {
-        memcpy(at->p, at->x, size);
-        admit(qsm->network, qsm->options, qsm->held, at->p);
-        double imbalance = network_judge(qsm->network, at->p, qsm->unbalance);
+        memcpy(qsm->p, qsm->x, size);
+        admit(qsm->network, qsm->options, qsm->held, qsm->p);
+        double imbalance = network_judge(qsm->network, qsm->p, qsm->unbalance);
         if (imbalance < best) {
             best = imbalance;
-            memcpy(at->best, at->p, size);
-        } else if (anderson->m > 0 && !(imbalance < 10 * best)) {
-            memcpy(at->p, at->best, size);
-            memcpy(at->x, at->best, size);
-            network_judge(qsm->network, at->p, qsm->unbalance);
+            memcpy(qsm->best, qsm->p, size);
+        } else if (anderson->m > 0 && !(imbalance < WORSE * best)) {
+            memcpy(qsm->p, qsm->best, size);
+            memcpy(qsm->x, qsm->best, size);
+            network_judge(qsm->network, qsm->p, qsm->unbalance);
             anderson_restart(anderson);
             if (++failures % FAILURES == 0)
                 pause = PAUSE << (failures / FAILURES < 6 ? failures / FAILURES : 6);
         }
         if (best <= qsm->options->tolerance || outcome->iterations >= limit)
             break;
-        if (project_static(qsm, at->p, at->g))
+        if (project_static(qsm, qsm->p, qsm->g))
             return -1;
         if (pause > 0 && pause--)
-            memcpy(at->x, at->g, size);
+            memcpy(qsm->x, qsm->g, size);
         else
-            anderson_step(anderson, at->x, at->g, at->x);
+            anderson_step(anderson, qsm->x, qsm->g, qsm->x);
     }
     outcome->imbalance = best;
     outcome->converged = best <= qsm->options->tolerance;
     return 0;
 }
 
+/* From the start in f to the best plastic projection, which takes its place. */
 static int run(struct qsm *qsm, double *f, struct outcome *outcome)
 {
     size_t n = 2 * qsm->network->count;
-    struct points at = {f, malloc((n + 1) * sizeof(double)), malloc((n + 1) * sizeof(double)),
-                        malloc((n + 1) * sizeof(double))};
-    struct anderson anderson = {0};
-    int status = -1;
-    if (!at.p || !at.g || !at.best) {
-        status = error_memory("quasi-static method");
-    } else if (!anderson_begin(&anderson, n, qsm->options->anderson)) {
-        network_unbalance(qsm->network, f, qsm->unbalance);
-        status = project_static(qsm, f, at.x) || iterate(qsm, &anderson, &at, outcome) ? -1 : 0;
-        memcpy(f, at.best, n * sizeof *f);
-    }
+    struct anderson anderson;
+    if (anderson_begin(&anderson, n, qsm->options->anderson))
+        return -1;
+    network_unbalance(qsm->network, f, qsm->unbalance);
+    int status = project_static(qsm, f, qsm->x) || iterate(qsm, &anderson, outcome) ? -1 : 0;
+    memcpy(f, qsm->best, n * sizeof *f);
     anderson_free(&anderson);
-    free(at.p), free(at.g), free(at.best);
     return status;
 }
 
-int qsm_solve(const struct network *network, const struct force_options *options, double *f, struct outcome *outcome)
+static int solve(const struct problem *problem, double *f, struct outcome *outcome)
 {
     struct qsm qsm;
-    int status = qsm_begin(network, options, f, &qsm) || run(&qsm, f, outcome) ? -1 : 0;
+    int status = qsm_begin(problem->network, problem->options, f, &qsm) || run(&qsm, f, outcome) ? -1 : 0;
     qsm_free(&qsm);
     return status;
 }
+
+const struct method QSM_METHOD = {.name = "qsm",
+                                  .says = "projections onto equilibrium and friction",
+                                  .needs = NEEDS_STIFFNESS,
+                                  .starts = 1,
+                                  .balances = 1,
+                                  .walks = 1,
+                                  .ranges = 1,
+                                  .candidates = CANDIDATES_IF_ASKED, /* one contact too many costs next to nothing, it
+                                                                        starts without force; but the thesis keeps to
+                                                                        the decided ones */
+                                  .margin = METHOD_MARGIN,
+                                  .doubt = 0.01,
+                                  .solve = solve};

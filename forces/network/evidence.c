@@ -1,8 +1,17 @@
+/* How the file's columns become the model of evidence.h. Every standard error of a place, a radius or a wall is one
+ * unknown e of variance 1 that is shared by all contacts of that body:
+ *
+ *     B_ce = tangent stiffness x d overlap / d e x standard error,
+ *
+ * so that a grain that was measured too far left shows larger overlaps there and smaller ones on its right, by one
+ * number.
+ */
 #include "forces/network/evidence.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/arena.h"
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 
@@ -14,32 +23,36 @@
 
 void evidence_free(struct evidence *evidence)
 {
-    free(evidence->prior), free(evidence->variance), free(evidence->measured), free(evidence->slack);
-    free(evidence->place), free(evidence->share);
-    free(evidence->soft), free(evidence->probability);
+    free(evidence->store), free(evidence->place);
     memset(evidence, 0, sizeof *evidence);
+}
+
+static size_t lay_out(struct evidence *evidence, double *block)
+{
+    struct arena arena = {.block = block};
+    size_t n = evidence->count;
+    evidence->prior = arena_take(&arena, 2 * n), evidence->variance = arena_take(&arena, 2 * n);
+    evidence->measured = arena_take(&arena, n), evidence->slack = arena_take(&arena, n);
+    evidence->probability = arena_take(&arena, n);
+    evidence->share = arena_rows(&arena, n, EVIDENCE_WIDTH);
+    evidence->soft = arena_take(&arena, evidence->dofs);
+    return arena.used;
 }
 
 static int evidence_alloc(size_t count, size_t dofs, struct evidence *evidence)
 {
-    memset(evidence, 0, sizeof *evidence);
-    evidence->count = count;
-    evidence->dofs = dofs;
-    evidence->prior = calloc(2 * count + 1, sizeof(double));
-    evidence->variance = calloc(2 * count + 1, sizeof(double));
-    evidence->measured = calloc(count + 1, sizeof(double));
-    evidence->slack = calloc(count + 1, sizeof(double));
+    *evidence = (struct evidence){.count = count, .dofs = dofs};
+    evidence->store = calloc(lay_out(evidence, NULL) + 1, sizeof(double));
     evidence->place = calloc(count + 1, sizeof *evidence->place);
-    evidence->share = calloc(count + 1, sizeof *evidence->share);
-    evidence->soft = calloc(dofs + 1, sizeof(double));
-    evidence->probability = calloc(count + 1, sizeof(double));
-    if (evidence->prior && evidence->variance && evidence->measured && evidence->slack && evidence->place &&
-        evidence->share && evidence->soft && evidence->probability)
-        return 0;
-    evidence_free(evidence);
-    return error_memory("overlap errors");
+    if (!evidence->store || !evidence->place) {
+        evidence_free(evidence);
+        return error_memory("overlap errors");
+    }
+    lay_out(evidence, evidence->store);
+    return 0;
 }
 
+/* Certain contacts of variance 1 that say nothing: what every evidence begins with. */
 int evidence_blank(const struct network *network, struct evidence *evidence)
 {
     if (evidence_alloc(network->count, network->dofs, evidence))
@@ -53,6 +66,7 @@ int evidence_blank(const struct network *network, struct evidence *evidence)
     return 0;
 }
 
+/* Both were laid out for the same sizes: one block each. */
 int evidence_copy(const struct evidence *from, struct evidence *to)
 {
     size_t n = from->count;
@@ -61,14 +75,8 @@ int evidence_copy(const struct evidence *from, struct evidence *to)
     to->errors = from->errors;
     to->friction = from->friction;
     to->barrier = from->barrier;
-    memcpy(to->prior, from->prior, 2 * n * sizeof(double));
-    memcpy(to->variance, from->variance, 2 * n * sizeof(double));
-    memcpy(to->measured, from->measured, n * sizeof(double));
-    memcpy(to->slack, from->slack, n * sizeof(double));
+    memcpy(to->store, from->store, lay_out(&(struct evidence){.count = n, .dofs = from->dofs}, NULL) * sizeof(double));
     memcpy(to->place, from->place, n * sizeof *to->place);
-    memcpy(to->share, from->share, n * sizeof *to->share);
-    memcpy(to->soft, from->soft, from->dofs * sizeof(double));
-    memcpy(to->probability, from->probability, n * sizeof(double));
     return 0;
 }
 
@@ -80,6 +88,7 @@ struct known_errors {
     double unknown[ERROR_COLUMNS];
 };
 
+/* Columns, and the largest error of each, which stands in for those that are missing. */
 static void errors_begin(const struct packing *packing, struct known_errors *known)
 {
     const struct grains *g = &packing->grains;
@@ -107,15 +116,10 @@ struct unknowns {
     int x, y, radius;
 };
 
-/* The standard error of x of a grain: of its reference and of its motion. */
-static double error_x(const struct known_errors *known, size_t k)
+/* The standard error of a grain's place along an axis (S_X or S_Y): of its reference and of its motion. */
+static double error_along(const struct known_errors *known, int axis, size_t k)
 {
-    return hypot(error_of(known, S_X, k), error_of(known, S_X_REF, k));
-}
-
-static double error_y(const struct known_errors *known, size_t k)
-{
-    return hypot(error_of(known, S_Y, k), error_of(known, S_Y_REF, k));
+    return hypot(error_of(known, axis, k), error_of(known, axis + 1, k));
 }
 
 /* Numbers for each grain (place, radius), then for each wall (its offset, as radius); only where there are errors, as
@@ -126,8 +130,8 @@ static void number_errors(const struct packing *packing, const struct known_erro
     const struct grains *g = &packing->grains;
     int next = 0;
     for (size_t k = 0; k < g->count; k++) {
-        body[k].x = error_x(known, k) > 0 ? next++ : -1;
-        body[k].y = error_y(known, k) > 0 ? next++ : -1;
+        body[k].x = error_along(known, S_X, k) > 0 ? next++ : -1;
+        body[k].y = error_along(known, S_Y, k) > 0 ? next++ : -1;
         body[k].radius = error_of(known, S_RADIUS, k) > 0 ? next++ : -1;
     }
     for (size_t w = 0; w < packing->walls.count; w++)
@@ -135,6 +139,7 @@ static void number_errors(const struct packing *packing, const struct known_erro
     evidence->errors = (size_t)next;
 }
 
+/* The next of a contact's unknowns; -1: that quantity has no error. */
 static void add_share(struct evidence *evidence, size_t c, int *at, int place, double share)
 {
     if (place < 0)
@@ -150,8 +155,8 @@ static void add_grain(const struct packing *packing, const struct known_errors *
                       int *at)
 {
     const struct contacts *contacts = &packing->contacts;
-    add_share(evidence, c, at, body[k].x, sign * stiffness * contacts->nx[row] * error_x(known, k));
-    add_share(evidence, c, at, body[k].y, sign * stiffness * contacts->ny[row] * error_y(known, k));
+    add_share(evidence, c, at, body[k].x, sign * stiffness * contacts->nx[row] * error_along(known, S_X, k));
+    add_share(evidence, c, at, body[k].y, sign * stiffness * contacts->ny[row] * error_along(known, S_Y, k));
     add_share(evidence, c, at, body[k].radius, stiffness * error_of(known, S_RADIUS, k));
 }
 
@@ -203,6 +208,7 @@ static double scale_to_loads(const struct packing *packing, const struct known_e
     return virial > 0 ? network->virial / virial : 1;
 }
 
+/* m, B and slack of every contact, from its overlap; refuses one that is not finite. */
 static int fill_overlaps(const struct packing *packing, const struct known_errors *known, const struct network *network,
                          const struct force_options *options, struct evidence *evidence)
 {

@@ -1,3 +1,8 @@
+/* How A, b and the masses come about. A contact (fn, ft) acts with fn n + ft t on its second body j and with the
+ * opposite on i, n pointing from i to j and t being n turned to the left; the moment about a grain's centre is arm x
+ * force, arm from the centre to the contact point. Each body's equations are divided by the unit of force, moments also
+ * by the mean radius. A straight wall has one equation, along its inward normal; a corner disc belongs to two walls and
+ * acts in the equations of both. */
 #include "forces/network/network.h"
 
 #include <math.h>
@@ -8,6 +13,7 @@
 #include "forces/network/network_parts.h"
 #include "pipeline/speak/error.h"
 
+/* Three per grain that moves, in the order of the grains, then one per free wall. */
 static void number_dofs(const struct packing *packing, struct network *network)
 {
     size_t next = 0;
@@ -56,6 +62,7 @@ static void add_disc_part(const struct packing *packing, const struct network *n
               vertical ? in.y * t.y : in.x * t.x);
 }
 
+/* Where a wall is fixed its contacts push against nothing that could move: no entry. */
 static void add_wall(const struct packing *packing, const struct network *network, size_t c, size_t wall,
                      struct network_contact *contact, int *at)
 {
@@ -110,17 +117,14 @@ static int masses_known(const struct packing *packing, const struct network *net
 static int fill_masses(const struct packing *packing, double wall_mass, struct network *network)
 {
     const struct grains *g = &packing->grains;
-    double mean = 0;
+    double mean = 0, moving = 0;
     int known = masses_known(packing, network);
     if (known < 0)
         return -1;
     for (size_t k = 0; k < network->grains; k++)
         if (network->grain_dof[k] >= 0)
-            mean += known ? g->mass[k] : g->radius[k] * g->radius[k];
-    size_t moving = 0;
-    for (size_t k = 0; k < network->grains; k++)
-        moving += network->grain_dof[k] >= 0;
-    mean = moving ? mean / (double)moving : 1;
+            mean += known ? g->mass[k] : g->radius[k] * g->radius[k], moving++;
+    mean = moving > 0 ? mean / moving : 1;
     for (size_t k = 0; k < network->grains; k++) {
         long dof = network->grain_dof[k];
         if (dof < 0)
@@ -136,6 +140,7 @@ static int fill_masses(const struct packing *packing, double wall_mass, struct n
     return 0;
 }
 
+/* All arrays for the most there can be: nobody moves, everybody counts. */
 static int network_alloc(const struct packing *packing, struct network *network)
 {
     network->grains = packing->grains.count;
@@ -155,6 +160,7 @@ static int network_alloc(const struct packing *packing, struct network *network)
     return 0;
 }
 
+/* The order matters: what is peeled has no equations, the unit of force needs the contacts, the loads need the unit. */
 static int fill(const struct packing *packing, const struct contact_law *law, const struct network_options *options,
                 struct network *network)
 {
@@ -209,11 +215,8 @@ void network_free(struct network *network)
 void network_unbalance(const struct network *network, const double *f, double *out)
 {
     memcpy(out, network->load, network->dofs * sizeof *out);
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            out[contact->dof[e]] += contact->n[e] * f[2 * c] + contact->t[e] * f[2 * c + 1];
-    }
+    for (size_t c = 0; c < network->count; c++)
+        contact_push(&network->contact[c], f[2 * c], f[2 * c + 1], out);
 }
 
 void network_motion(const struct network *network, const double *motion, double *u)
@@ -246,4 +249,19 @@ double network_judge(const struct network *network, const double *f, double *wor
         known &= !isnan(work[d]);
     }
     return known ? largest / network_mean_force(network, f) : NAN;
+}
+
+/* Each contact couples the degrees of freedom that it touches, and nothing else. */
+struct sparse *network_matrix(const struct network *network)
+{
+    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
+    if (!place) {
+        error_set(EXIT_FAILED, "out of memory: equilibrium equations");
+        return NULL;
+    }
+    for (size_t c = 0; c < network->count; c++)
+        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
+    struct sparse *matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
+    free(place);
+    return matrix;
 }

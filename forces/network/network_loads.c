@@ -1,3 +1,11 @@
+/* Loads on walls and grains, and what they say about the contact forces. In equilibrium the virial of the contacts is
+ * that of the loads,
+ *
+ *     sum over contacts of fn l = - sum over loads of F . (x - corner),
+ *
+ * l the length of the branch (tangential forces of discs have no virial); reactions of fixed walls have none about the
+ * corner where their lines meet. It gives the unit of force, an estimate of <fn>, before any method has run, and the
+ * scale of forces from overlaps. */
 #include "forces/network/network_loads.h"
 
 #include <string.h>

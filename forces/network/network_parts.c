@@ -1,3 +1,6 @@
+/* What of a packing takes part. Rows whose numbers are missing are flagged by the stages before, and left out; rows
+ * that are not flagged must have numbers, or they are refused by name: a NaN in one place would spread over the whole
+ * network. */
 #include "forces/network/network_parts.h"
 
 #include <stdlib.h>
@@ -39,6 +42,7 @@ static int check_ends(const struct packing *packing, size_t c)
     return 0;
 }
 
+/* Only those that are offered: the others may hold anything. */
 static int check_contacts(const struct packing *packing, const struct network_options *options)
 {
     const struct contacts *c = &packing->contacts;
@@ -75,6 +79,7 @@ static int check_grains(const struct packing *packing)
     return 0;
 }
 
+/* A disc has a centre and a radius, a segment two ends. */
 static int check_walls(const struct walls *walls)
 {
     for (size_t w = 0; w < walls->count; w++)
@@ -84,6 +89,7 @@ static int check_walls(const struct walls *walls)
     return 0;
 }
 
+/* Without a wall or a fixed grain every force could be anything: there is nothing to react. */
 static int check_held(const struct packing *packing)
 {
     if (packing->walls.count > 0)
@@ -112,6 +118,8 @@ static int load_along(const struct packing *packing, size_t k, size_t c, double 
     return push > 0 && fabs(vec_cross(n, load)) <= fmax(mu, 1e-6) * push;
 }
 
+/* Counts and marks until nothing changes; each turn costs a walk over all contacts, and the turns are as many as the
+ * longest chain of rattlers that lean on each other. */
 int network_peel(const struct packing *packing, const struct contact_law *law, unsigned char *live,
                  unsigned char *peeled)
 {

@@ -2,7 +2,9 @@
 #ifndef FORCES_NETWORK_PARTS_H
 #define FORCES_NETWORK_PARTS_H
 
-#include "forces/network/network.h"
+#include "forces/network/equations.h"
+#include "pipeline/laws/contact_law.h"
+#include "pipeline/packing/packing.h"
 
 /* Refuses a packing that nothing holds, and numbers that are not finite on rows that take part. */
 int network_check(const struct packing *packing, const struct network_options *options);

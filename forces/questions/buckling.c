@@ -56,6 +56,7 @@ static int carrying(const struct packing *packing, const struct contact_forces *
     return 0;
 }
 
+/* N/m, along the law's tangent at this force. */
 static double normal_stiffness(const struct stiffness *k, size_t row)
 {
     struct contact_pair pair = elastic_pair(k->packing, &k->options->law, row);
@@ -98,6 +99,7 @@ static double curvature(const struct packing *packing, size_t row)
     return d > 0 ? 1 / d : 0;
 }
 
+/* block += factor (a b' + b a') / 2. */
 static void add_product(double factor, const double *a, const double *b, double *block)
 {
     for (int i = 0; i < W; i++)
@@ -105,6 +107,7 @@ static void add_product(double factor, const double *a, const double *b, double 
             block[i * W + j] += factor / 2 * (a[i] * b[j] + a[j] * b[i]);
 }
 
+/* The second and third line of the head, without the springs: what can make K indefinite. */
 static void geometric_block(const struct stiffness *k, const struct network_contact *contact, const struct lines *lines,
                             double *block)
 {
@@ -138,13 +141,16 @@ static void find_spins(struct stiffness *k, int slips)
     }
 }
 
-/* Fills K; returns a bound on how far below zero its eigenvalues can lie (Gershgorin, of the geometric part). */
-static double fill(struct stiffness *k, int slips)
+/* Fills K; *bound: how far below zero its eigenvalues can lie (Gershgorin, of the geometric part). */
+static int fill(struct stiffness *k, int slips, double *bound)
 {
-    double *row_sum = calloc(k->network->dofs + 1, sizeof *row_sum), bound = 0;
+    double *row_sum = calloc(k->network->dofs + 1, sizeof *row_sum);
+    if (!row_sum)
+        return error_memory("stability");
+    *bound = 0;
     find_spins(k, slips);
     sparse_clear(k->matrix);
-    for (size_t c = 0; row_sum && c < k->network->count; c++) {
+    for (size_t c = 0; c < k->network->count; c++) {
         const struct network_contact *contact = &k->network->contact[c];
         struct lines lines;
         double *block = k->block[c];
@@ -160,10 +166,10 @@ static double fill(struct stiffness *k, int slips)
                 block[i * W + j] = block[j * W + i] = 0;
         sparse_add(k->matrix, c, block);
     }
-    for (size_t d = 0; row_sum && d < k->network->dofs; d++)
-        bound = fmax(bound, row_sum[d]);
+    for (size_t d = 0; d < k->network->dofs; d++)
+        *bound = fmax(*bound, row_sum[d]);
     free(row_sum);
-    return row_sum ? bound : -1;
+    return 0;
 }
 
 static int multiply(void *user, const double *x, double *out)
@@ -185,37 +191,32 @@ static int solve(void *user, const double *x, double *out)
     return sparse_solve(((struct stiffness *)user)->matrix, x, out);
 }
 
+/* The smallest eigenvalue with its motion: K is shifted by the bound, so that the factor is that of a definite matrix
+ * and inverse iteration finds the lowest end. */
 static int smallest(struct stiffness *k, int slips, double *value, double *motion)
 {
-    double bound = fill(k, slips), defect;
+    double bound, defect;
     struct lanczos problem = {k->network->dofs, multiply, solve, k, DEFECT};
-    if (bound < 0)
-        return error_memory("stability");
-    sparse_add_diagonal(k->matrix, k->diagonal, 1.001 * bound + LEAST_SHIFT * fmax(1, sparse_largest(k->matrix)));
-    if (sparse_factorise(k->matrix) < 0 || lanczos_smallest(&problem, value, motion, &defect))
+    if (fill(k, slips, &bound))
         return -1;
-    return 0;
+    sparse_add_diagonal(k->matrix, k->diagonal, 1.001 * bound + LEAST_SHIFT * fmax(1, sparse_largest(k->matrix)));
+    return sparse_factorise(k->matrix) < 0 ? -1 : lanczos_smallest(&problem, value, motion, &defect);
 }
 
+/* 0 or -1; the caller frees in any case. */
 static int begin(struct stiffness *k)
 {
     const struct network *network = k->network;
-    int *place = malloc((network->count * W + 1) * sizeof *place);
     k->block = calloc(network->count + 1, sizeof *k->block);
     k->diagonal = calloc(network->dofs + 1, sizeof *k->diagonal);
     k->turns = calloc(network->dofs + 1, 1);
-    if (!place || !k->block || !k->diagonal || !k->turns) {
-        free(place);
+    if (!k->block || !k->diagonal || !k->turns)
         return error_memory("stability");
-    }
     for (size_t g = 0; g < network->grains; g++)
         if (network->grain_dof[g] >= 0)
             k->turns[network->grain_dof[g] + 2] = 1;
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * W, network->contact[c].dof, sizeof network->contact[c].dof);
     k->unit = mean_stiffness(k);
-    k->matrix = sparse_create(network->dofs, network->count, W, place);
-    free(place);
+    k->matrix = network_matrix(network);
     return k->matrix ? 0 : -1;
 }
 

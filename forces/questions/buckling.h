@@ -4,9 +4,10 @@
 #ifndef FORCES_STABILITY_H
 #define FORCES_STABILITY_H
 
-#include "forces/infer_forces.h"
+#include "forces/network/force_options.h"
 
-/* Fills forces->stability and forces->softest from the forces of this method. */
+/* Needs a stiffness of the contacts, and forces->contact of that packing. 0 or -1.
+ * Fills forces->stability and forces->softest from the forces of this method. */
 int stability_of_forces(const struct packing *packing, const struct force_options *options, struct forces *forces);
 
 #endif

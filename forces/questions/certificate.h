@@ -2,7 +2,8 @@
 #ifndef FORCES_CERTIFICATE_H
 #define FORCES_CERTIFICATE_H
 
-#include "forces/methods/method.h"
+#include "forces/network/equations.h"
+#include "forces/network/force_options.h"
 
 /* y, one number per degree of freedom (motions, in units): the least unbalance that admissible forces can leave. For
  * every f in the cones y . (A f + b) >= y . b - v sum fn, v the largest mu |ut| - un of A' y. *least_sum: the smallest

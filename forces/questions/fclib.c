@@ -1,3 +1,6 @@
+/* W couples contacts that share a body, through its inverse mass: block (k, c) is the sum over the degrees of freedom d
+ * of both of (n_k, t_k)_d (n_c, t_c)_d' / m_d. It is written column by column, from a list of who acts on each degree
+ * of freedom, so that nothing as large as W is held twice. */
 #include "forces/questions/fclib.h"
 
 #include <limits.h>
@@ -24,6 +27,7 @@ static void actors_free(struct actors *actors)
     free(actors->start), free(actors->contact), free(actors->entry);
 }
 
+/* A counting sort of the entries of A by degree of freedom. */
 static int actors_find(const struct network *network, struct actors *actors)
 {
     size_t entries = network->count * NETWORK_WIDTH + 1;
@@ -73,6 +77,7 @@ static int compare_integers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* The blocks of column c, in the order of the contacts: each body of c brings all its other contacts. */
 static void neighbours_of(const struct network *network, const struct actors *actors, size_t c, struct neighbours *near)
 {
     const struct network_contact *here = &network->contact[c];
@@ -119,6 +124,7 @@ static void store_columns(const struct neighbours *near, size_t c, struct local_
     }
 }
 
+/* Twice over the contacts: first only to count, as the file's integers have 32 bits. */
 static int fill_w(const struct network *network, const struct actors *actors, struct neighbours *near,
                   struct local_problem *problem)
 {

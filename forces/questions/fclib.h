@@ -3,7 +3,7 @@
 #ifndef FORCES_FCLIB_H
 #define FORCES_FCLIB_H
 
-#include "forces/infer_forces.h"
+#include "forces/network/force_options.h"
 #include "forces/network/network.h"
 
 /* W = A' M^-1 A in compressed columns (sorted rows), q = A' M^-1 b; rows 2 c (normal) and 2 c + 1 (tangential) of
@@ -14,6 +14,7 @@ struct local_problem {
     double *value;    /* entries */
     double *q, *mu;   /* per row, per contact */
 };
+/* 0, or -1 with an empty problem. */
 int local_problem_build(const struct network *network, struct local_problem *problem);
 void local_problem_free(struct local_problem *problem); /* accepts a zeroed struct */
 

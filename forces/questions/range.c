@@ -10,16 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/network/evidence.h"
+#include "forces/methods/map.h"
 #include "pipeline/speak/error.h"
 
-#define RANGE_FIRST 30.0 /* <fn> */
-#define RANGE_GROW 8.0
-#define RANGE_SAME 1e-6
+#define RANGE_FIRST 30.0 /* <fn>: the first pull */
+#define RANGE_GROW 8.0   /* from pull to pull */
+#define RANGE_SAME 1e-6  /* relative: fn_c no longer grows; <fn>: it is 0 */
+#define UNBOUNDED 1e-2   /* of the last pull: fn_c that large grows with it */
 enum { RANGE_PULLS = 6 };
 
 /* ---- which contacts ---- */
 
+/* One row or a span of rows, up to the next comma; *text moves on to what follows. */
 static int mark_span(const char **text, size_t count, unsigned char *wanted)
 {
     char *end;
@@ -37,6 +39,7 @@ static int mark_span(const char **text, size_t count, unsigned char *wanted)
     return 0;
 }
 
+/* 1 in `wanted` for each row named. */
 static int parse(const char *text, size_t count, unsigned char *wanted)
 {
     if (!strcmp(text, "all")) {
@@ -57,7 +60,7 @@ static int pulled(const struct network *network, const struct force_options *opt
                   size_t c, double pull, double *f, double *value)
 {
     struct evidence evidence = {0};
-    struct outcome outcome;
+    struct outcome outcome = {0};
     if (evidence_copy(belief, &evidence))
         return error_memory("ranges");
     evidence.prior[2 * c] = pull;
@@ -85,7 +88,7 @@ static int extreme(const struct network *network, const struct force_options *op
             return 0;
         before = *value;
     }
-    if (side > 0 && *value > 1e-2 * pull / RANGE_GROW)
+    if (side > 0 && *value > UNBOUNDED * pull / RANGE_GROW)
         *value = INFINITY;
     return 0;
 }
@@ -120,6 +123,7 @@ static int solve_all(const struct network *network, const struct force_options *
     return error_collect(&shared);
 }
 
+/* The belief of the head, for all contacts at once; the pull comes later. */
 static int with_network(const struct packing *packing, const struct network *network, const struct force_options *given,
                         const unsigned char *wanted, struct forces *forces)
 {
@@ -147,14 +151,17 @@ int range_forces(const struct packing *packing, const struct force_options *opti
                  struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = method_network(options, method);
+    const struct method *row = method_row(method);
     size_t count = packing->contacts.count;
+    if (!row)
+        return -1;
+    if (!row->ranges)
+        return error_input("method %s has no ranges", row->name);
     unsigned char *wanted = calloc(count + 1, 1);
     if (!wanted)
         return error_memory("ranges");
     if (parse(options->range, count, wanted) || table_add(&CONTACT_FORCES, &forces->contact, "fn_low") ||
-        table_add(&CONTACT_FORCES, &forces->contact, "fn_high") ||
-        network_build(packing, &options->law, &network_options, &network)) {
+        table_add(&CONTACT_FORCES, &forces->contact, "fn_high") || method_network(packing, options, row, &network)) {
         free(wanted);
         return -1;
     }

@@ -3,7 +3,7 @@
 #ifndef FORCES_RANGE_H
 #define FORCES_RANGE_H
 
-#include "forces/infer_forces.h"
+#include "forces/methods/method.h"
 
 /* Adds fn_low and fn_high (N; INFINITY: no limit; NaN: not asked, or no admissible forces were found) for the contacts
  * in `options->range`: rows and spans of rows, "3,10-14", or "all". */

@@ -1,36 +1,25 @@
+/* Every state counts the same; the first is that of the forces that were given, when they are in balance. Jump k draws
+ * its random numbers from k alone, whatever the jumps before it did. */
 #include "forces/questions/walk.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/network/evidence.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/numbers/random.h"
 
 struct walk {
     const struct packing *packing;
     const struct network *network;
     struct force_options options;
-    enum force_method method;
+    const struct method *method;
     double *f, *trial; /* the present state and the next one, (fn, ft) per contact */
     double *states;    /* one after the other: fn of all contacts, then ft of all contacts */
     size_t count;      /* of states */
 };
 
-static int lead_back(struct walk *walk, struct outcome *outcome)
-{
-    struct evidence evidence;
-    if (walk->method == METHOD_CDM)
-        return cdm_solve(walk->network, &walk->options, walk->trial, outcome);
-    if (walk->method == METHOD_QSM)
-        return qsm_solve(walk->network, &walk->options, walk->trial, outcome);
-    if (evidence_build(walk->packing, walk->network, &walk->options, walk->trial, &evidence))
-        return -1;
-    int status = map_solve(walk->network, &walk->options, &evidence, walk->trial, outcome);
-    evidence_free(&evidence);
-    return status;
-}
-
+/* The present state, fn and ft apart. */
 static void keep(struct walk *walk)
 {
     size_t n = walk->network->count;
@@ -39,14 +28,15 @@ static void keep(struct walk *walk)
         state[c] = walk->f[2 * c], state[n + c] = walk->f[2 * c + 1];
 }
 
+/* From the present state; where the method does not lead back to balance the walk stays. */
 static int jump(struct walk *walk, int k)
 {
     size_t unknowns = 2 * walk->network->count;
     double size = WALK_JUMP * network_mean_force(walk->network, walk->f);
-    struct outcome outcome;
+    struct outcome outcome = {0};
     for (size_t u = 0; u < unknowns; u++)
         walk->trial[u] = walk->f[u] + size * (2 * random_uniform(random_bits(0x3A1Cu, (uint64_t)k), u) - 1);
-    if (lead_back(walk, &outcome))
+    if (walk->method->solve(&(struct problem){walk->packing, walk->network, &walk->options}, walk->trial, &outcome))
         return -1;
     if (!outcome.converged)
         return 0;
@@ -56,19 +46,6 @@ static int jump(struct walk *walk, int k)
 }
 
 /* ---- what the states say ---- */
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double quantile(const double *sorted, size_t count, double share)
-{
-    double at = share * (double)(count - 1);
-    size_t k = (size_t)at < count - 1 ? (size_t)at : count - 2;
-    return sorted[k] + (at - (double)k) * (sorted[k + 1] - sorted[k]);
-}
 
 /* Component `part` (0: fn, 1: ft) of contact c over the states, sorted; its variance. */
 static double gather(const struct walk *walk, size_t c, size_t part, double *values)
@@ -81,7 +58,7 @@ static double gather(const struct walk *walk, size_t c, size_t part, double *val
     }
     for (size_t k = 0; k < walk->count; k++)
         sum += (values[k] - mean) * (values[k] - mean);
-    qsort(values, walk->count, sizeof *values, ascending);
+    sort_values(values, walk->count);
     return sum / (double)(walk->count - 1);
 }
 
@@ -107,15 +84,7 @@ static void summarise(const struct walk *walk, double mean, double *values, stru
         }
 }
 
-static int add_columns(struct contact_forces *out)
-{
-    static const char *const names[] = {"s_fn", "s_ft", "fn_min", "fn_max"};
-    for (size_t k = 0; k < 4; k++)
-        if (table_add(&CONTACT_FORCES, out, names[k]))
-            return -1;
-    return 0;
-}
-
+/* The columns are added in any case: NaN where there were too few states. */
 static int run(struct walk *walk, struct forces *forces)
 {
     const struct network *network = walk->network;
@@ -133,7 +102,7 @@ static int run(struct walk *walk, struct forces *forces)
     for (int k = 0; !status && k < walk->options.walk; k++)
         status = jump(walk, k);
     if (!status)
-        status = add_columns(&forces->contact);
+        status = result_add_spread(&forces->contact);
     if (!status && walk->count >= 2)
         summarise(walk, mean, values, forces);
     free(values);
@@ -144,12 +113,15 @@ int walk_forces(const struct packing *packing, const struct force_options *optio
                 struct forces *forces)
 {
     struct network network;
-    struct network_options network_options = method_network(options, method);
-    if (method == METHOD_CEM)
-        return error_input("a walk needs a method that seeks equilibrium: cdm, qsm or map");
-    if (network_build(packing, &options->law, &network_options, &network))
+    const struct method *row = method_row(method);
+    if (!row)
         return -1;
-    struct walk walk = {.packing = packing, .network = &network, .options = *options, .method = method};
+    if (!row->walks)
+        return error_input("method %s cannot walk: a walk needs one that leads back to equilibrium, such as map",
+                           row->name);
+    if (method_network(packing, options, row, &network))
+        return -1;
+    struct walk walk = {.packing = packing, .network = &network, .options = *options, .method = row};
     walk.options.start = START_PREVIOUS; /* the jump is all that map knows */
     walk.options.samples = 0;
     walk.f = calloc(2 * network.count + 1, sizeof *walk.f);

@@ -3,7 +3,7 @@
 #ifndef FORCES_WALK_H
 #define FORCES_WALK_H
 
-#include "forces/infer_forces.h"
+#include "forces/methods/method.h"
 
 #define WALK_JUMP 1.0 /* lambda, over <fn> (thesis 3.7) */
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/infer_forces.h"
 #include "forces/series/series_loads.h"
 #include "forces/series/series_result.h"
 #include "forces/series/series_spread.h"
@@ -13,21 +14,31 @@
 #include "forces/series/series_status.h"
 #include "pipeline/speak/error.h"
 
-#define CANDIDATE 4 /* standard errors: pairs further apart are left out */
-enum { ROUNDS = 4, LARGE = 4000 /* contacts of all states */ };
+#define CANDIDATE 4   /* standard errors: pairs further apart are left out */
+#define OTHER_ROD 0.1 /* of the radius */
+enum {
+    ROUNDS = 4, /* of opening and closing contacts at the full weight of the overlaps */
+    LARGE =
+        4000, /* contacts of all states: with more, states are shared among the threads; fewer cost less than that */
+};
 
 /* ---- the series in memory ---- */
+
+void series_summary_free(struct series_summary *summary)
+{
+    free(summary->photo);
+    summary->photo = NULL;
+}
 
 static void series_free(struct series *series)
 {
     for (size_t s = 0; series->state && s < series->count; s++)
         series_state_free(&series->state[s]);
-    for (int k = 0; k < 5; k++)
-        free(series->vector[k]);
     sparse_free(series->near);
-    free(series->state), free(series->q), free(series->dq), free(series->diagonal), free(series->defect);
+    free(series->state), free(series->store);
 }
 
+/* Rim shapes cost eight unknowns per grain: only when some rim is not round, as given or as measured. */
 static int shapes_unknown(const struct packing *packing, double given)
 {
     if (!isnan(given))
@@ -38,6 +49,7 @@ static int shapes_unknown(const struct packing *packing, double given)
     return 0;
 }
 
+/* All but the segments, which come last and change: SERIES_HARMONICS pairs for each rim. */
 static void number_unknowns(const struct packing *packing, const struct series_options *options,
                             const struct series_loads *loads, struct series_shared *shared)
 {
@@ -85,6 +97,7 @@ static int leave_out_far(struct series_state *state, double offset)
     return 0;
 }
 
+/* The common unit of force is <fn> of the most loaded state, so that numbers of all states compare. */
 static int series_begin(const struct packing *const *packings, size_t count, const struct series_loads *loads,
                         struct series *series)
 {
@@ -110,6 +123,7 @@ static int series_begin(const struct packing *const *packings, size_t count, con
 
 /* ---- stages ---- */
 
+/* An optimum for the present open contacts, then what it tells about them. */
 static int stage(struct series *series, const struct series_aim *aim)
 {
     if (series_optimise(series, aim))
@@ -122,6 +136,8 @@ static int stage(struct series *series, const struct series_aim *aim)
     return 0;
 }
 
+/* Overlaps count little at first, as if each had an error of its own of 0.3 <fn>: so equilibrium sorts out which
+ * contacts carry before single overlaps are believed. Tangential segments need good forces: they come last, twice. */
 static int stages(struct series *series)
 {
     static const struct series_aim loose[] = {{1, 0.3, 0.03, 0.1, 1}, {0, 0.1, 0.03, 0.1, 1}, {0, 0.03, 0.03, 0.1, 3}};
@@ -143,7 +159,7 @@ static int stages(struct series *series)
 static int check_same_rods(const struct grains *first, const struct grains *grains, size_t state)
 {
     for (size_t k = 0; k < grains->count; k++)
-        if (fabs(grains->radius[k] - first->radius[k]) > 0.1 * first->radius[k])
+        if (fabs(grains->radius[k] - first->radius[k]) > OTHER_ROD * first->radius[k])
             return error_input(
                 "state %zu of the series: grain %zu has radius %g m, in the first state %g m: give states "
                 "that were followed from the same reference photo",
@@ -151,6 +167,7 @@ static int check_same_rods(const struct grains *first, const struct grains *grai
     return 0;
 }
 
+/* The states belong together, and have what every one needs. */
 static int check_series(const struct packing *const *packings, size_t count, const struct force_options *options)
 {
     if (!(isfinite(options->law.kn) && options->law.kn > 0))

@@ -3,48 +3,15 @@
 #ifndef FORCES_SERIES_H
 #define FORCES_SERIES_H
 
-#include "forces/infer_forces.h"
-
-struct series_options {
-    double softness;   /* standard error of an equation of equilibrium, in the state's <fn> */
-    double shape;      /* m: rms of each grain's unknown rim shape (harmonics 2 to 5); 0: round; NaN: as in the files */
-    int fit_offset;    /* 1: a global offset of the radii is unknown */
-    int fit_stiffness; /* 1: so is kn */
-    int tangential;    /* 1: measured tangential motions between consecutive photos count */
-    int samples;       /* draws for s_fn, s_ft, fn_min, fn_max; 0: none */
-};
-#define SERIES_SOFTNESS 0.002
-#define SERIES_OPTIONS_DEFAULT                                                                                         \
-    {                                                                                                                  \
-        .softness = SERIES_SOFTNESS, .shape = NAN, .fit_offset = 1, .tangential = 1                                    \
-    }
-
-/* What one photo brought. */
-struct series_photo {
-    double mean;           /* N: <fn> */
-    size_t contacts, open; /* pairs that took part; those that carry nothing */
-    size_t fresh;          /* pairs that carry, but did not in the photo before */
-    size_t data;           /* measured lines */
-    double misfit;         /* its part of 2 F over its data */
-    double information;    /* how many of the shared unknowns it determines (trace of its part of the precision) */
-};
-
-/* How it went, and what it found about the constants. */
-struct series_summary {
-    int converged;              /* the gradient is small */
-    double gradient;            /* largest component, in <fn> */
-    int steps, products;        /* Newton steps, steps of conjugate gradients */
-    double misfit;              /* 2 F over the number of data: about 1 when errors are as stated */
-    size_t unknowns, segments;  /* shared ones; tangential segments */
-    double offset, s_offset;    /* m: of each radius (measured less true) */
-    double kn, s_kn;            /* N/m */
-    struct series_photo *photo; /* one per state */
-    const char *refused;        /* why the stiffness was not fitted; NULL: it was, or was not asked for */
-};
+#include "forces/network/force_options.h"
+#include "forces/series/series_summary.h"
 
 void series_summary_free(struct series_summary *summary); /* accepts a zeroed struct */
 
-/* Forces of each state; forces has `count` elements. One state: the same as map. */
+/* Forces of each state (method "series"); forces has `count` elements, all to be freed by forces_free() after 0. The
+ * packings have overlaps (m), and, where they are known, standard errors of places, radii, walls and rims; they have
+ * the same grains in the same rows. One state: the same as map. -1: an input is refused or memory is gone; then only
+ * the summary is to be freed. A series that does not converge is no failure: summary->converged says so. */
 int infer_series(const struct packing *const *packings, size_t count, const struct force_options *options,
                  const struct series_options *series_options, struct forces *forces, struct series_summary *summary);
 

@@ -1,5 +1,5 @@
-/* The linear algebra of one Newton step of series: every state is factorised by itself (CHOLMOD), the shared unknowns
- * are solved by preconditioned conjugate gradients (Hestenes and Stiefel 1952) on their Schur complement
+/* The linear algebra of one Newton step of series: every state is factorised by itself (sparse.h), the shared
+ * unknowns are solved by preconditioned conjugate gradients (Hestenes and Stiefel 1952) on their Schur complement
  *
  *     S = I + sum_s B' (D + G' A' K^-1 A G) B,   K = A (C - C D C) A' + softness,   G = C D,
  *
@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/vectors.h"
 #include "forces/series/series_state.h"
 #include "pipeline/speak/error.h"
 
-enum { PRODUCTS = 400 };
-#define WEIGHT 0.7 /* of a line that takes part in equilibrium */
+enum { PRODUCTS = 400 }; /* limit of conjugate gradients */
+#define WEIGHT 0.7       /* of a line that takes part in equilibrium, about: it only steers the preconditioner */
 
 /* D = (C + slack)^-1 on the measured lines, zero elsewhere. */
 static void invert(const double c[3], const double slack[2], int n, int t, double d[3])
@@ -28,25 +29,22 @@ static void invert(const double c[3], const double slack[2], int n, int t, doubl
     }
 }
 
+/* A_c (C - C D C) A_c' of one contact. */
 static void add_block(struct series_state *state, size_t c)
 {
-    const struct network_contact *contact = &state->network.contact[c];
     const double *curve = state->curve[c];
-    double(*g)[2] = state->take[c];
-    double h[3] = {curve[0] - g[0][0] * curve[0] - g[0][1] * curve[1],
-                   curve[1] - g[0][0] * curve[1] - g[0][1] * curve[2],
-                   curve[2] - g[1][0] * curve[1] - g[1][1] * curve[2]};
-    double block[NETWORK_WIDTH * NETWORK_WIDTH];
-    for (int i = 0; i < NETWORK_WIDTH; i++) {
-        double a = contact->n[i] * h[0] + contact->t[i] * h[1], b = contact->n[i] * h[1] + contact->t[i] * h[2];
-        for (int j = 0; j <= i; j++)
-            block[i * NETWORK_WIDTH + j] = a * contact->n[j] + b * contact->t[j];
-    }
+    double(*g)[2] = state->take[c], block[NETWORK_WIDTH * NETWORK_WIDTH];
+    const double h[3] = {curve[0] - g[0][0] * curve[0] - g[0][1] * curve[1],
+                         curve[1] - g[0][0] * curve[1] - g[0][1] * curve[2],
+                         curve[2] - g[1][0] * curve[1] - g[1][1] * curve[2]};
+    contact_block(&state->network.contact[c], h, NETWORK_WIDTH, block);
     sparse_add(state->matrix, c, block);
 }
 
-static int factorise(struct series_state *state)
+/* D, G and K of one state. An open contact has no part in equilibrium: its G is 0. */
+static int factorise(const struct series *series, struct series_state *state)
 {
+    (void)series;
     sparse_clear(state->matrix);
     for (size_t c = 0; c < state->network.count; c++) {
         const double *curve = state->curve[c];
@@ -131,12 +129,34 @@ static int factorise_near(struct series *series)
 
 int series_factorise(struct series *series)
 {
+    return series_for_states(series, factorise) || factorise_near(series) ? -1 : 0;
+}
+
+int series_for_states(struct series *series, series_work *work)
+{
     struct error_shared shared = ERROR_SHARED_NONE;
 #pragma omp parallel for schedule(dynamic) if (series->large)
     for (size_t s = 0; s < series->count; s++)
-        if (factorise(&series->state[s]))
+        if (work(series, &series->state[s]))
             error_share(&shared, (long)s);
-    return error_collect(&shared) || factorise_near(series) ? -1 : 0;
+    return error_collect(&shared);
+}
+
+void series_take(struct series_state *state, size_t c, double sign, const double g[2])
+{
+    double(*take)[2] = state->take[c];
+    double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
+    contact_push(&state->network.contact[c], sign * n, sign * t, state->work);
+}
+
+void series_react(const struct series_state *state, size_t c, double lines, const double g[2], double motion,
+                  const double u[2], double out[2])
+{
+    const double *d = state->gain[c];
+    double(*take)[2] = state->take[c];
+    double n = lines * d[0] * g[0] + lines * d[1] * g[1] + motion * take[0][0] * u[0] + motion * take[1][0] * u[1];
+    double t = lines * d[1] * g[0] + lines * d[2] * g[1] + motion * take[0][1] * u[0] + motion * take[1][1] * u[1];
+    out[0] = n, out[1] = t;
 }
 
 int series_state_solve(struct series_state *state)
@@ -145,55 +165,37 @@ int series_state_solve(struct series_state *state)
 }
 
 /* B' (D + G' A' K^-1 A G) B v of one state into its sum. */
-static int state_product(const struct series *series, struct series_state *state, const double *v)
+static int state_product(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
     double(*u)[2] = state->derror, (*w)[2] = state->drelative;
     memset(state->work, 0, network->dofs * sizeof(double));
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        double(*take)[2] = state->take[c];
-        series_error_at(series, state, c, v, u[c]);
-        double n = take[0][0] * u[c][0] + take[0][1] * u[c][1], t = take[1][0] * u[c][0] + take[1][1] * u[c][1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] += contact->n[e] * n + contact->t[e] * t;
+        series_error_at(series, state, c, series->v, u[c]);
+        series_take(state, c, 1, u[c]);
     }
     if (series_state_solve(state))
         return -1;
     network_motion(network, state->solution, w[0]);
-    for (size_t c = 0; c < network->count; c++) {
-        const double *d = state->gain[c];
-        double(*take)[2] = state->take[c];
-        double n = d[0] * u[c][0] + d[1] * u[c][1] + take[0][0] * w[c][0] + take[1][0] * w[c][1];
-        double t = d[1] * u[c][0] + d[2] * u[c][1] + take[0][1] * w[c][0] + take[1][1] * w[c][1];
-        u[c][0] = n, u[c][1] = t;
-    }
+    for (size_t c = 0; c < network->count; c++)
+        series_react(state, c, 1, u[c], 1, w[c], u[c]);
     series_gather(series, state, (const double(*)[2])u);
     return 0;
 }
 
 int series_product(struct series *series, const double *v, double *out)
 {
-    struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        if (state_product(series, &series->state[s], v))
-            error_share(&shared, (long)s);
+    series->v = v;
+    int status = series_for_states(series, state_product);
     series_add_up(series, out);
     for (size_t k = 0; k < series->shared.count; k++)
         out[k] += v[k];
     series->products++;
-    return error_collect(&shared);
+    return status;
 }
 
-static double dot(const double *a, const double *b, size_t n)
-{
-    double sum = 0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
+/* Preconditioned by I + sum B' weight B: what S would be if equilibrium did not couple the contacts of a state. The
+ * states are added up in their order, so that threads change nothing. */
 int series_solve_shared(struct series *series, const double *right, double *dq, double share)
 {
     size_t n = series->shared.count;
@@ -203,18 +205,16 @@ int series_solve_shared(struct series *series, const double *right, double *dq, 
     if (sparse_solve(series->near, r, z))
         return -1;
     memcpy(p, z, n * sizeof *p);
-    double rz = dot(r, z, n), aim = share * share * rz;
+    double rz = vector_dot(n, r, z), aim = share * share * rz;
     for (int step = 0; step < PRODUCTS && rz > aim; step++) {
         if (series_product(series, p, sp))
             return -1;
-        double alpha = rz / dot(p, sp, n), before = rz;
-        for (size_t k = 0; k < n; k++) {
-            dq[k] += alpha * p[k];
-            r[k] -= alpha * sp[k];
-        }
+        double alpha = rz / vector_dot(n, p, sp), before = rz;
+        vector_add(n, alpha, p, dq);
+        vector_add(n, -alpha, sp, r);
         if (sparse_solve(series->near, r, z))
             return -1;
-        rz = dot(r, z, n);
+        rz = vector_dot(n, r, z);
         for (size_t k = 0; k < n; k++)
             p[k] = z[k] + rz / before * p[k];
     }

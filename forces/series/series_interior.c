@@ -5,38 +5,28 @@
  *     with     f + B q + r = m on the measured lines,  G f >= 0 (the cone: mu fn - ft, mu fn + ft; fn without
  * friction),
  *
- * y, l, push the multipliers of A f + b + softness y = 0, of the lines, and of the edges of the cones. An open contact
+ * y, l, press the multipliers of A f + b + softness y = 0, of the lines, and of the edges of the cones. An open contact
  * has no part in equilibrium and the half line f <= 0, which stands for its gap. Every step solves one linear system in
  * all unknowns (primal-dual, Wright 1997): contacts are eliminated one by one, states by their factors, and q by
  * conjugate gradients; so no state is ever solved within another iteration. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/cone.h"
 #include "forces/series/series_state.h"
 #include "pipeline/speak/error.h"
 
-enum { STEPS = 80 };
-#define FIRST_GAP 3.0
-#define WARM_GAP 0.03
-#define BOUNDARY 0.99 /* share of the way to the boundary that a step may go */
-#define OPEN_MEAN 3   /* <fn>: size of a gap */
-#define SHARED 0.1    /* residual that conjugate gradients leave */
-
-typedef int state_work(const struct series *series, struct series_state *state);
-
-static int for_states(struct series *series, state_work *work)
-{
-    struct error_shared shared = ERROR_SHARED_NONE;
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        if (work(series, &series->state[s]))
-            error_share(&shared, (long)s);
-    return error_collect(&shared);
-}
+enum { STEPS = 80 };    /* limit of one optimum */
+#define FIRST_GAP 3.0   /* side times press, from scratch */
+#define WARM_GAP 0.03   /* the same, at least, where it goes on from the last stage */
+#define WARM_FORCE 0.03 /* <fn>: what a contact that opens or closes begins with, at least */
+#define BOUNDARY 0.99   /* share of the way to the boundary that a step may go */
+#define OPEN_MEAN 3     /* <fn>: size of a gap */
+#define SHARED 0.1      /* residual that conjugate gradients leave */
 
 /* ---- one contact ---- */
 
+/* An open contact slides freely. */
 static double friction(const struct series_state *state, size_t c)
 {
     return state->open[c] ? 0 : state->network.contact[c].mu;
@@ -44,10 +34,10 @@ static double friction(const struct series_state *state, size_t c)
 
 static int sides(const struct series_state *state, size_t c)
 {
-    return friction(state, c) > 0 ? 2 : 1;
+    return cone_sides(friction(state, c));
 }
 
-/* V and f0. */
+/* V and f0: wide about <fn>; ft as far as Coulomb allows, fn being spread exponentially; a gap is a few <fn> wide. */
 void series_belief(const struct series_state *state, size_t c, double v[2], double *centre)
 {
     double mu = friction(state, c), square = state->mean * state->mean;
@@ -56,27 +46,25 @@ void series_belief(const struct series_state *state, size_t c, double v[2], doub
     *centre = state->open[c] ? 0 : state->mean;
 }
 
-/* G f. */
+/* G f; the one side of an open contact is f <= 0. */
 static void edges(const struct series_state *state, size_t c, const double f[2], double out[2])
 {
-    double mu = friction(state, c);
-    out[0] = mu > 0 ? mu * f[0] - f[1] : state->open[c] ? -f[0] : f[0];
-    out[1] = mu > 0 ? mu * f[0] + f[1] : 1;
+    cone_side(friction(state, c), f, out);
+    out[0] = state->open[c] ? -out[0] : out[0];
 }
 
 /* G' a. */
 static void edges_transposed(const struct series_state *state, size_t c, const double a[2], double out[2])
 {
-    double mu = friction(state, c);
-    out[0] = mu > 0 ? mu * (a[0] + a[1]) : state->open[c] ? -a[0] : a[0];
-    out[1] = mu > 0 ? a[1] - a[0] : 0;
+    cone_transposed(friction(state, c), a, out);
+    out[0] = state->open[c] ? -out[0] : out[0];
 }
 
-/* C = (1 / V + G' diag(push / side) G)^-1. */
+/* C = (1 / V + G' diag(press / side) G)^-1. */
 static void compliance(const struct series_state *state, size_t c, double out[3])
 {
     double mu = friction(state, c), v[2], centre;
-    double p = state->push[c][0] / state->side[c][0], m = state->push[c][1] / state->side[c][1];
+    double p = state->press[c][0] / state->side[c][0], m = state->press[c][1] / state->side[c][1];
     series_belief(state, c, v, &centre);
     if (mu > 0) {
         double nn = 1 / v[0] + mu * mu * (p + m), nt = mu * (m - p), tt = 1 / v[1] + p + m;
@@ -88,21 +76,23 @@ static void compliance(const struct series_state *state, size_t c, double out[3]
     }
 }
 
+/* From scratch: the mean force, or a gap of the usual size. */
 static void start_contact(struct series_state *state, size_t c, double gap)
 {
     double mu = friction(state, c);
     state->f[c][0] = state->open[c] ? -OPEN_MEAN : state->mean, state->f[c][1] = 0;
     edges(state, c, state->f[c], state->side[c]);
-    state->push[c][0] = gap / state->side[c][0], state->push[c][1] = mu > 0 ? gap / state->side[c][1] : 0;
+    state->press[c][0] = gap / state->side[c][0], state->press[c][1] = mu > 0 ? gap / state->side[c][1] : 0;
 }
 
-/* Back into the inside from where the last stage ended: every product side times push is at least `gap`. */
+/* Back into the inside from where the last stage ended: every product side times press is at least `gap`. */
 static void restart_contact(struct series_state *state, size_t c, double gap)
 {
-    double mu = friction(state, c), *s = state->side[c], *p = state->push[c];
+    double mu = friction(state, c), *s = state->side[c], *p = state->press[c];
     if (state->changed[c]) {
         double overlap = state->measured[c][NORMAL] - state->error[c][NORMAL];
-        state->f[c][0] = state->open[c] ? fmin(overlap, -0.03) : fmax(overlap, 0.03 * state->mean), state->f[c][1] = 0;
+        state->f[c][0] = state->open[c] ? fmin(overlap, -WARM_FORCE) : fmax(overlap, WARM_FORCE * state->mean),
+        state->f[c][1] = 0;
         edges(state, c, state->f[c], s);
         p[0] = gap / s[0], p[1] = mu > 0 ? gap / s[1] : 0;
         state->changed[c] = 0;
@@ -112,8 +102,8 @@ static void restart_contact(struct series_state *state, size_t c, double gap)
         s[k] = fmax(s[k], fmin(gap / p[k], sqrt(gap) * state->mean));
         p[k] = fmax(p[k], gap / s[k]);
     }
-    state->f[c][0] = mu > 0 ? (s[0] + s[1]) / (2 * mu) : state->open[c] ? -s[0] : s[0];
-    state->f[c][1] = mu > 0 ? (s[1] - s[0]) / 2 : 0;
+    cone_force(mu, s, state->f[c]);
+    state->f[c][0] = state->open[c] ? -state->f[c][0] : state->f[c][0];
 }
 
 /* ---- the equations ---- */
@@ -142,7 +132,7 @@ static int gather_multipliers(const struct series *series, struct series_state *
     return 0;
 }
 
-/* What each equation leaves: gy, gl, and in `pull` that of the forces' own, W (f - f0) - A' y - l - G' push. */
+/* What each equation leaves: gy, gl, and in `pull` that of the forces' own, W (f - f0) - A' y - l - G' press. */
 static int state_residuals(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
@@ -151,11 +141,10 @@ static int state_residuals(const struct series *series, struct series_state *sta
     for (size_t d = 0; d < network->dofs; d++)
         state->gy[d] = network->load[d] + state->soft[d] * state->y[d];
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         double v[2], centre, edge[2];
         series_error_at(series, state, c, series->q, state->error[c]);
         series_belief(state, c, v, &centre);
-        edges_transposed(state, c, state->push[c], edge);
+        edges_transposed(state, c, state->press[c], edge);
         for (int k = 0; k < 2; k++) {
             int there = k == 0 || friction(state, c) > 0;
             state->gl[c][k] =
@@ -167,10 +156,10 @@ static int state_residuals(const struct series *series, struct series_state *sta
                                              (state->open[c] ? 0 : state->relative[c][k]);
             worst = fmax(worst, fabs(state->gl[c][k]));
         }
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0 && !state->open[c]; e++)
-            state->gy[contact->dof[e]] += contact->n[e] * state->f[c][0] + contact->t[e] * state->f[c][1];
+        if (!state->open[c])
+            contact_push(&network->contact[c], state->f[c][0], state->f[c][1], state->gy);
         for (int k = 0; k < sides(state, c); k++)
-            gap += state->side[c][k] * state->push[c][k] / sides(state, c);
+            gap += state->side[c][k] * state->press[c][k] / sides(state, c);
     }
     for (size_t d = 0; d < network->dofs; d++)
         worst = fmax(worst, fabs(state->gy[d]) / state->mean);
@@ -178,10 +167,11 @@ static int state_residuals(const struct series *series, struct series_state *sta
     return 0;
 }
 
+/* Of all states, then what they leave for q: defect = sum B' l - q. */
 static int residuals(struct series *series)
 {
     double contacts = 0;
-    if (for_states(series, gather_multipliers))
+    if (series_for_states(series, gather_multipliers))
         return -1;
     series_add_up(series, series->defect);
     series->gradient = series->gap = series->pull = 0;
@@ -189,7 +179,7 @@ static int residuals(struct series *series)
         series->defect[k] -= series->q[k];
         series->pull = fmax(series->pull, fabs(series->defect[k]));
     }
-    if (for_states(series, state_residuals))
+    if (series_for_states(series, state_residuals))
         return -1;
     for (size_t s = 0; s < series->count; s++) {
         series->gradient = fmax(series->gradient, series->state[s].sum[0]);
@@ -202,17 +192,17 @@ static int residuals(struct series *series)
 
 /* ---- a step ---- */
 
-/* Aim at side times push = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
+/* Aim at side times press = aim (below 0: the edges stay as they are); C pull goes to the right-hand sides of the other
  * equations. */
-static void prepare(struct series_state *state, double aim)
+static int prepare(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
+    double aim = series->aim;
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
         const double *curve = state->curve[c];
         double towards[2] = {0, 0}, edge[2];
         for (int k = 0; k < sides(state, c) && aim >= 0; k++)
-            towards[k] = (aim - state->side[c][k] * state->push[c][k]) / state->side[c][k];
+            towards[k] = (aim - state->side[c][k] * state->press[c][k]) / state->side[c][k];
         edges_transposed(state, c, towards, edge);
         double p[2] = {edge[0] - state->pull[c][0], edge[1] - state->pull[c][1]};
         double moved[2] = {curve[0] * p[0] + curve[1] * p[1], curve[1] * p[0] + curve[2] * p[1]};
@@ -220,9 +210,10 @@ static void prepare(struct series_state *state, double aim)
             state->pull[c][k] = p[k];
             state->gl[c][k] += isnan(state->measured[c][k]) ? 0 : moved[k];
         }
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0 && !state->open[c]; e++)
-            state->gy[contact->dof[e]] += contact->n[e] * moved[0] + contact->t[e] * moved[1];
+        if (!state->open[c])
+            contact_push(&network->contact[c], moved[0], moved[1], state->gy);
     }
+    return 0;
 }
 
 /* B'[-D gl + G' A' K^-1 (gy - A G gl)] of one state into its sum (G = C D). */
@@ -230,21 +221,13 @@ static int state_right(const struct series *series, struct series_state *state)
 {
     const struct network *network = &state->network;
     memcpy(state->work, state->gy, network->dofs * sizeof(double));
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        double(*take)[2] = state->take[c], *g = state->gl[c];
-        double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] -= contact->n[e] * n + contact->t[e] * t;
-    }
+    for (size_t c = 0; c < network->count; c++)
+        series_take(state, c, -1, state->gl[c]);
     if (series_state_solve(state))
         return -1;
     network_motion(network, state->solution, state->drelative[0]);
-    for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], *g = state->gl[c], *d = state->gain[c], *u = state->drelative[c];
-        state->dl[c][0] = -d[0] * g[0] - d[1] * g[1] + take[0][0] * u[0] + take[1][0] * u[1];
-        state->dl[c][1] = -d[1] * g[0] - d[2] * g[1] + take[0][1] * u[0] + take[1][1] * u[1];
-    }
+    for (size_t c = 0; c < network->count; c++)
+        series_react(state, c, -1, state->gl[c], 1, state->drelative[c], state->dl[c]);
     series_gather(series, state, (const double(*)[2])state->dl);
     return 0;
 }
@@ -256,24 +239,19 @@ static int state_step(const struct series *series, struct series_state *state)
     for (size_t d = 0; d < network->dofs; d++)
         state->work[d] = -state->gy[d];
     for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        double(*take)[2] = state->take[c], *g = state->dl[c];
+        double *g = state->dl[c];
         series_error_at(series, state, c, series->dq, g);
         g[0] += state->gl[c][0], g[1] += state->gl[c][1];
-        double n = take[0][0] * g[0] + take[0][1] * g[1], t = take[1][0] * g[0] + take[1][1] * g[1];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0; e++)
-            state->work[contact->dof[e]] += contact->n[e] * n + contact->t[e] * t;
+        series_take(state, c, 1, g);
     }
     if (series_state_solve(state))
         return -1;
     memcpy(state->dy, state->solution, network->dofs * sizeof(double));
     network_motion(network, state->dy, state->drelative[0]);
     for (size_t c = 0; c < network->count; c++) {
-        double(*take)[2] = state->take[c], g[2] = {state->dl[c][0], state->dl[c][1]}, *d = state->gain[c];
         double *u = state->drelative[c], *curve = state->curve[c], *pull = state->pull[c], towards[2];
         u[0] *= !state->open[c], u[1] *= !state->open[c];
-        state->dl[c][0] = -d[0] * g[0] - d[1] * g[1] - take[0][0] * u[0] - take[1][0] * u[1];
-        state->dl[c][1] = -d[1] * g[0] - d[2] * g[1] - take[0][1] * u[0] - take[1][1] * u[1];
+        series_react(state, c, -1, state->dl[c], -1, u, state->dl[c]);
         for (int k = 0; k < 2; k++)
             towards[k] = u[k] + state->dl[c][k] + pull[k];
         state->df[c][0] = curve[0] * towards[0] + curve[1] * towards[1];
@@ -283,24 +261,25 @@ static int state_step(const struct series *series, struct series_state *state)
 }
 
 /* Steps of the edges and their multipliers; how far they stay positive. */
-static double reach(struct series_state *state, double aim)
+static int reach(const struct series *series, struct series_state *state)
 {
     double length = 1 / BOUNDARY;
     for (size_t c = 0; c < state->network.count; c++) {
         double ds[2];
         edges(state, c, state->df[c], ds);
         for (int k = 0; k < sides(state, c); k++) {
-            double s = state->side[c][k], p = state->push[c][k], dp = (aim - s * p - p * ds[k]) / s;
-            state->dpush[c][k] = dp;
-            length = fmin(length, ds[k] < 0 ? -s / ds[k] : length);
-            length = fmin(length, dp < 0 ? -p / dp : length);
+            double s = state->side[c][k], p = state->press[c][k];
+            state->dpress[c][k] = (series->aim - s * p - p * ds[k]) / s;
         }
+        length = cone_reach(friction(state, c), state->side[c], ds, state->press[c], state->dpress[c], length);
     }
-    return length;
+    state->sum[0] = length;
+    return 0;
 }
 
-static void move(struct series_state *state, double length)
+static int move(const struct series *series, struct series_state *state)
 {
+    double length = series->length;
     for (size_t d = 0; d < state->network.dofs; d++)
         state->y[d] += length * state->dy[d];
     for (size_t c = 0; c < state->network.count; c++) {
@@ -312,32 +291,37 @@ static void move(struct series_state *state, double length)
         }
         for (int k = 0; k < sides(state, c); k++) {
             state->side[c][k] += length * ds[k];
-            state->push[c][k] += length * state->dpush[c][k];
+            state->press[c][k] += length * state->dpress[c][k];
         }
     }
+    return 0;
+}
+
+static int compliances(const struct series *series, struct series_state *state)
+{
+    (void)series;
+    for (size_t c = 0; c < state->network.count; c++)
+        compliance(state, c, state->curve[c]);
+    return 0;
 }
 
 int series_linearise(struct series *series)
 {
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        for (size_t c = 0; c < series->state[s].network.count; c++)
-            compliance(&series->state[s], c, series->state[s].curve[c]);
-    return series_factorise(series);
+    return series_for_states(series, compliances) || series_factorise(series) ? -1 : 0;
 }
 
 /* Steps of everything but the edges, for what gy, gl, pull and defect say. */
 static int solve(struct series *series, double aim, double share)
 {
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        prepare(&series->state[s], aim);
-    if (for_states(series, state_right))
+    series->aim = aim;
+    if (series_for_states(series, prepare) || series_for_states(series, state_right))
         return -1;
     series_add_up(series, series->vector[4]);
     for (size_t k = 0; k < series->shared.count; k++)
         series->vector[4][k] += series->defect[k];
-    return series_solve_shared(series, series->vector[4], series->dq, share) || for_states(series, state_step) ? -1 : 0;
+    return series_solve_shared(series, series->vector[4], series->dq, share) || series_for_states(series, state_step)
+               ? -1
+               : 0;
 }
 
 int series_respond(struct series *series, double share)
@@ -345,25 +329,21 @@ int series_respond(struct series *series, double share)
     return solve(series, -1, share);
 }
 
-static int step(struct series *series, double aim, double *length)
+/* One Newton step of everything, as long as all sides and their multipliers stay positive. */
+static int step(struct series *series, double aim)
 {
-    if (series_linearise(series) || solve(series, aim, SHARED))
+    if (series_linearise(series) || solve(series, aim, SHARED) || series_for_states(series, reach))
         return -1;
-#pragma omp parallel for schedule(dynamic) if (series->large)
+    double length = 1 / BOUNDARY;
     for (size_t s = 0; s < series->count; s++)
-        series->state[s].sum[0] = reach(&series->state[s], aim);
-    *length = 1 / BOUNDARY;
-    for (size_t s = 0; s < series->count; s++)
-        *length = fmin(*length, series->state[s].sum[0]);
-    *length = fmin(1, BOUNDARY * *length);
-#pragma omp parallel for schedule(dynamic) if (series->large)
-    for (size_t s = 0; s < series->count; s++)
-        move(&series->state[s], *length);
+        length = fmin(length, series->state[s].sum[0]);
+    series->length = fmin(1, BOUNDARY * length);
     for (size_t k = 0; k < series->shared.count; k++)
-        series->q[k] += *length * series->dq[k];
-    return 0;
+        series->q[k] += series->length * series->dq[k];
+    return series_for_states(series, move);
 }
 
+/* Overlaps are believed to their errors and `more`, in units. */
 static void set_slack(struct series *series, double more)
 {
     for (size_t s = 0; s < series->count; s++) {
@@ -374,20 +354,21 @@ static void set_slack(struct series *series, double more)
     }
 }
 
+/* The aim shrinks the more, the longer the last step was: no predictor, as each solve costs conjugate gradients. */
 int series_optimise(struct series *series, const struct series_aim *aim)
 {
-    double length = 1, shrink = 0.2;
+    double shrink = 0.2;
     set_slack(series, aim->loose);
     if (aim->cold)
         memset(series->q, 0, series->shared.count * sizeof(double));
-    if (for_states(series, aim->cold ? state_start : state_restart) || residuals(series))
+    if (series_for_states(series, aim->cold ? state_start : state_restart) || residuals(series))
         return -1;
     for (int k = 0;
          k < STEPS && (series->gap > aim->gap || series->gradient > aim->gradient || series->pull > aim->pull);
          k++, series->steps++) {
-        if (step(series, fmax(0.3 * aim->gap, shrink * series->gap), &length) || residuals(series))
+        if (step(series, fmax(0.3 * aim->gap, shrink * series->gap)) || residuals(series))
             return -1;
-        shrink = length > 0.9 ? 0.1 : length > 0.6 ? 0.2 : length > 0.3 ? 0.4 : 0.7;
+        shrink = series->length > 0.9 ? 0.1 : series->length > 0.6 ? 0.2 : series->length > 0.3 ? 0.4 : 0.7;
     }
     return isfinite(series->gradient)
                ? 0

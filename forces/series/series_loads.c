@@ -16,18 +16,22 @@
 /* One state: its overlaps with their branches, and the virial of its loads. */
 struct balance {
     size_t count;
-    double *overlap, *length, *radii; /* m, m, and how many radii the overlap has: 2, or 1 at a wall */
-    double virial;                    /* N m; NaN: reactions unknown */
-    double force;                     /* N: the network's unit */
+    struct line {
+        double overlap, length; /* m */
+        double radii;           /* how many radii the overlap has: 2, or 1 at a wall */
+    } * line;
+    double virial; /* N m; NaN: reactions unknown */
+    double force;  /* N: the network's unit */
 };
 
 static void balances_free(struct balance *balance, size_t count)
 {
     for (size_t s = 0; balance && s < count; s++)
-        free(balance[s].overlap), free(balance[s].length), free(balance[s].radii);
+        free(balance[s].line);
     free(balance);
 }
 
+/* From the network of that state, with its candidates. */
 static int balance_read(const struct packing *packing, const struct force_options *options, struct balance *balance)
 {
     struct network network;
@@ -35,17 +39,15 @@ static int balance_read(const struct packing *packing, const struct force_option
     if (network_build(packing, &options->law, &network_options, &network))
         return -1;
     balance->count = network.count;
-    balance->overlap = calloc(network.count + 1, sizeof(double));
-    balance->length = calloc(network.count + 1, sizeof(double));
-    balance->radii = calloc(network.count + 1, sizeof(double));
+    balance->line = calloc(network.count + 1, sizeof *balance->line);
     balance->virial = network.virial * network.force * network.radius;
     balance->force = network.force;
-    int status = balance->overlap && balance->length && balance->radii ? 0 : error_memory("loads of the series");
+    int status = balance->line ? 0 : error_memory("loads of the series");
     for (size_t c = 0; c < network.count && !status; c++) {
         size_t row = network.contact[c].row, w;
-        balance->overlap[c] = packing->contacts.overlap[row];
-        balance->length[c] = network.contact[c].length * network.radius;
-        balance->radii[c] = packing_is_wall(packing, row, &w) ? 1 : 2;
+        balance->line[c] = (struct line){.overlap = packing->contacts.overlap[row],
+                                         .length = network.contact[c].length * network.radius,
+                                         .radii = packing_is_wall(packing, row, &w) ? 1 : 2};
     }
     network_free(&network);
     return status;
@@ -56,18 +58,19 @@ static double overlap_virial(const struct balance *balance, double offset)
 {
     double sum = 0;
     for (size_t c = 0; c < balance->count; c++)
-        sum += fmax(0, balance->overlap[c] - balance->radii[c] * offset) * balance->length[c];
+        sum += fmax(0, balance->line[c].overlap - balance->line[c].radii * offset) * balance->line[c].length;
     return sum;
 }
 
-/* Its sum over all states whose loads are known falls with the offset. */
+/* The offset at which overlaps times kn carry the loads, by halving: the sum of their virials over all states whose
+ * loads are known falls with the offset. 0: no loads are known. */
 static double find_offset(const struct balance *balance, size_t count, double kn)
 {
     double low = 0, high = 0, aim = 0;
     for (size_t s = 0; s < count; s++)
         for (size_t c = 0; c < balance[s].count; c++) {
-            low = fmin(low, balance[s].overlap[c]);
-            high = fmax(high, balance[s].overlap[c]);
+            low = fmin(low, balance[s].line[c].overlap);
+            high = fmax(high, balance[s].line[c].overlap);
         }
     for (size_t s = 0; s < count; s++)
         aim += isfinite(balance[s].virial) ? balance[s].virial / kn : 0;
@@ -87,7 +90,7 @@ static double largest_force(const struct balance *balance, size_t count, double 
     for (size_t s = 0; s < count; s++) {
         double length = 0;
         for (size_t c = 0; c < balance[s].count; c++)
-            length += balance[s].overlap[c] > balance[s].radii[c] * offset ? balance[s].length[c] : 0;
+            length += balance[s].line[c].overlap > balance[s].line[c].radii * offset ? balance[s].line[c].length : 0;
         double force = isfinite(balance[s].virial) && length > 0 ? balance[s].virial / length : balance[s].force;
         largest = fmax(largest, force);
     }

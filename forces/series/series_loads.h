@@ -3,7 +3,7 @@
 #ifndef FORCES_SERIES_LOADS_H
 #define FORCES_SERIES_LOADS_H
 
-#include "forces/infer_forces.h"
+#include "forces/network/force_options.h"
 
 struct series_loads {
     double force;            /* N: <fn> of the most loaded state */
@@ -12,6 +12,9 @@ struct series_loads {
     const char *refused;     /* why kn was not fitted; NULL: it was, or need not be */
 };
 
+/* The packings have overlaps; options->law.kn is given. offset, stiffness: 1: it is unknown. Where the loads of all
+ * states are nearly the same, kn and the offset cannot be told apart: kn stays, and `refused` says why. 0; -1: as a
+ * network is refused, or memory is gone. */
 int series_loads_fit(const struct packing *const *packings, size_t count, const struct force_options *options,
                      int offset, int stiffness, struct series_loads *loads);
 

@@ -4,72 +4,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/methods/known_forces.h"
+#include "forces/network/network_result.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/packing/stress.h"
 
-static uint32_t status_of(double mu, double fn, double ft)
-{
-    if (fn <= 0)
-        return STATUS_OPEN;
-    return mu > 0 && fabs(ft) >= mu * fn * (1 - 1e-9) ? STATUS_SLIP : STATUS_STICK;
-}
+#define STATUS_MARGIN 1e-9 /* far above rounding */
 
-static int store(const struct series *series, const struct series_state *state, struct forces *forces)
+/* The columns of one state, judged as every method is: f is clean, so that open contacts carry nothing. */
+static int store(const struct series *series, struct series_state *state, struct forces *forces)
 {
-    static const char *const names[] = {"fn", "ft", "status", NULL};
-    const struct packing *packing = state->packing;
-    struct contact_forces *out = &forces->contact;
+    const struct contact_law *law = &series->options->law;
     snprintf(forces->method, sizeof forces->method, "series");
     snprintf(forces->start, sizeof forces->start, "overlap");
-    if (table_alloc(&CONTACT_FORCES, out, packing->contacts.count, names) ||
-        table_alloc(&RESIDUALS, &forces->residual, packing->grains.count, NULL))
-        return -1;
-    for (size_t c = 0; c < out->count; c++)
-        out->fn[c] = out->ft[c] = 0, out->status[c] = STATUS_NOT_USED;
-    for (size_t c = 0; c < state->network.count; c++) {
-        size_t row = state->network.contact[c].row;
-        out->fn[row] = state->open[c] ? 0 : state->f[c][0] * series->force;
-        out->ft[row] = state->open[c] ? 0 : state->f[c][1] * series->force;
-        out->status[row] = status_of(state->network.contact[c].mu, out->fn[row], out->ft[row]);
-    }
+    forces->imbalance = network_judge(&state->network, state->f[0], state->gy);
     forces->kn = series_stiffness(series) * series->force;
-    forces->kt = forces->kn * series->options->law.kt_over_kn;
-    forces->mu = series->options->law.mu;
-    memcpy(forces->misfit, state->network.misfit, sizeof forces->misfit);
-    double area;
-    if (packing_area(packing, &area))
-        return -1;
-    stress_weber(packing, out->fn, out->ft, area, forces->stress);
-    return 0;
-}
-
-/* Unbalanced forces of the grains, and the judge's figure. */
-static int judge(struct series_state *state, struct forces *forces)
-{
-    const struct network *network = &state->network;
-    const struct grains *g = &state->packing->grains;
-    double largest = 0, sum = 0, pushing = 0;
-    memcpy(state->gy, network->load, network->dofs * sizeof(double));
-    for (size_t c = 0; c < network->count; c++) {
-        const struct network_contact *contact = &network->contact[c];
-        for (int e = 0; e < NETWORK_WIDTH && contact->dof[e] >= 0 && !state->open[c]; e++)
-            state->gy[contact->dof[e]] += contact->n[e] * state->f[c][0] + contact->t[e] * state->f[c][1];
-        sum += state->open[c] ? 0 : state->f[c][0], pushing += !state->open[c] && state->f[c][0] > 0;
-    }
-    for (size_t d = 0; d < network->dofs; d++)
-        largest = fmax(largest, fabs(state->gy[d]));
-    forces->imbalance = sum > 0 ? largest / (sum / pushing) : largest;
-    for (size_t k = 0; k < g->count; k++) {
-        long dof = network->grain_dof[k];
-        int rests = dof < 0 && !network->peeled[k];
-        double force = network->force, *gy = state->gy;
-        forces->residual.residual_x[k] = dof >= 0 ? gy[dof] * force : rests || !g->load_x ? 0 : g->load_x[k];
-        forces->residual.residual_y[k] = dof >= 0 ? gy[dof + 1] * force : rests || !g->load_y ? 0 : g->load_y[k];
-        forces->residual.residual_m[k] = dof >= 0              ? gy[dof + 2] * force * network->radius
-                                         : rests || !g->load_m ? 0
-                                                               : g->load_m[k];
-    }
-    return 0;
+    forces->kt = forces->kn * law->kt_over_kn;
+    forces->mu = law->mu;
+    return result_store(state->packing, &state->network, STATUS_MARGIN, state->f[0], state->gy, forces);
 }
 
 /* Without the barrier's last bit: what carries nothing is 0, what slides is on its edge. */
@@ -77,13 +28,14 @@ static void clean(struct series_state *state)
 {
     for (size_t c = 0; c < state->network.count; c++) {
         double mu = state->network.contact[c].mu, *f = state->f[c], carries = 1e-3 * state->mean;
-        if (state->open[c] || (f[0] < carries && state->push[c][0] > state->side[c][0]))
+        if (state->open[c] || (f[0] < carries && state->press[c][0] > state->side[c][0]))
             f[0] = f[1] = 0;
         else if (mu > 0 && mu * f[0] - fabs(f[1]) < carries * mu)
             f[1] = copysign(mu * f[0], f[1]);
     }
 }
 
+/* After clean(). */
 static int carries(const struct series_state *state, size_t c)
 {
     return !state->open[c] && state->f[c][0] > 0;
@@ -106,6 +58,8 @@ static int count_fresh(const struct series *series, size_t s, const struct force
     return 0;
 }
 
+/* What one photo brought: its forces, its data, and how well they agree: the squared errors of its lines and equations
+ * over their variances, per datum. */
 static void describe(const struct series *series, size_t s, struct series_photo *photo)
 {
     const struct series_state *state = &series->state[s];
@@ -128,12 +82,7 @@ static void describe(const struct series *series, size_t s, struct series_photo 
     photo->mean = carrying > 0 ? sum / carrying * series->force : 0;
 }
 
-void series_summary_free(struct series_summary *summary)
-{
-    free(summary->photo);
-    summary->photo = NULL;
-}
-
+/* The same of all photos, with the shared unknowns' own part |q|^2. */
 static void summarise(const struct series *series, const struct series_loads *loads, struct series_summary *summary)
 {
     double data = 0, misfit = 0;
@@ -164,7 +113,7 @@ int series_results(struct series *series, const struct series_loads *loads, stru
         series->gap <= SERIES_LAST_GAP && series->gradient <= SERIES_LAST_GRADIENT && series->pull <= SERIES_LAST_PULL;
     for (size_t s = 0; s < series->count; s++) {
         clean(&series->state[s]);
-        if (store(series, &series->state[s], &forces[s]) || judge(&series->state[s], &forces[s]))
+        if (store(series, &series->state[s], &forces[s]))
             return -1;
         forces[s].iterations = series->steps, forces[s].converged = summary->converged;
         describe(series, s, &summary->photo[s]);

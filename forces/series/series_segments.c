@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/methods/known_forces.h"
 #include "forces/series/series_status.h"
 #include "pipeline/speak/error.h"
 
@@ -123,7 +124,8 @@ static int find_links(const struct series *series, size_t s, const long *before_
 }
 
 /* Links that the forces contradict are left out; where they are many, so much has slipped in between that the others
- * cannot be trusted either, and no run goes on from that photo to the next. */
+ * cannot be trusted either, and no run goes on from that photo to the next. `before_of`: the contact of state s - 1 in
+ * each row. */
 static int link_states(struct series *series, size_t s, const long *before_of)
 {
     struct series_state *now = &series->state[s], *before = &series->state[s - 1];
@@ -146,6 +148,7 @@ static int link_states(struct series *series, size_t s, const long *before_of)
     return status;
 }
 
+/* All segments end: none is known, their unknowns are gone. */
 static void forget(struct series *series)
 {
     series->shared.segments = 0;
@@ -179,6 +182,7 @@ static int start_constants(struct series *series)
     return 0;
 }
 
+/* A run goes on through a link, or begins with it: the state before is then its first, with no motion. */
 int series_find_segments(struct series *series)
 {
     long *before = rows_to_contacts(&series->state[0]), *now = NULL;

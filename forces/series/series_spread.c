@@ -5,14 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/network/network_result.h"
 #include "forces/series/series_spread.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
-enum { PROBES = 6 };
+enum { PROBES = 6 };       /* of the trace */
 #define SOLVED 0.02        /* residual of conjugate gradients */
 #define LEAST_SPREAD 0.005 /* <fn>: what the softness of equilibrium alone leaves */
 
+/* Random numbers by draw, kind (1 equations, 2 lines, 3 beliefs, 4 constants, 7 probes) and state. */
 static uint64_t key_of(uint64_t draw, uint64_t what, uint64_t state)
 {
     return random_bits(random_bits(draw, what), state);
@@ -53,6 +55,7 @@ static int information(struct series *series, struct series_photo *photo)
     return status;
 }
 
+/* Errors of their stated sizes into what the equations leave: the response is the move of the optimum. */
 static void disturb(struct series *series, uint64_t draw, size_t s)
 {
     struct series_state *state = &series->state[s];
@@ -84,22 +87,20 @@ static void collect(const struct series *series, const struct series_state *stat
     }
 }
 
+/* Standard deviations about the forces found, not about the mean of the draws. */
 static int store(const struct series *series, const struct series_state *state, const double (*sums)[2], int draws,
                  struct contact_forces *out)
 {
-    static const char *const names[] = {"s_fn", "s_ft", "fn_min", "fn_max"};
-    for (int k = 0; k < 4; k++)
-        if (table_add(&CONTACT_FORCES, out, names[k]))
-            return -1;
-    for (size_t c = 0; c < state->network.count; c++) {
-        size_t row = state->network.contact[c].row;
-        double fn = out->fn[row] / series->force, least = LEAST_SPREAD * state->mean;
-        double s_fn = hypot(least, sqrt(sums[c][0] / draws)), s_ft = hypot(least / 2, sqrt(sums[c][1] / draws));
-        out->s_fn[row] = s_fn * series->force, out->s_ft[row] = s_ft * series->force;
-        out->fn_min[row] = fmax(0, fn - 1.645 * s_fn) * series->force;
-        out->fn_max[row] = (fn + 1.645 * s_fn) * series->force;
-    }
-    return 0;
+    struct spread spread;
+    int status = spread_alloc(state->network.count, &spread);
+    double least = LEAST_SPREAD * state->mean;
+    for (size_t c = 0; c < state->network.count && !status; c++)
+        spread_set(&spread, c, out->fn[state->network.contact[c].row] / series->force,
+                   hypot(least, sqrt(sums[c][0] / draws)), hypot(least / 2, sqrt(sums[c][1] / draws)));
+    if (!status)
+        status = result_store_spread(&state->network, &spread, out);
+    spread_free(&spread);
+    return status;
 }
 
 static int draw_forces(struct series *series, int draws, struct forces *forces)

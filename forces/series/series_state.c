@@ -1,69 +1,53 @@
+/* One state of a series in memory, and the matrix B of its lines: which of the shared unknowns each overlap feels, and
+ * how much. A unit of an unknown is its standard error, so that B holds kn x d overlap / d error x standard error. */
 #include "forces/series/series_state.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/algebra/arena.h"
 #include "pipeline/speak/error.h"
 
 void series_state_free(struct series_state *state)
 {
     sparse_free(state->matrix);
     network_free(&state->network);
-    free(state->flags), free(state->open), free(state->changed), free(state->measured), free(state->variance),
-        free(state->slack);
-    free(state->place), free(state->share), free(state->segment);
-    free(state->soft), free(state->y), free(state->l), free(state->dy), free(state->dl), free(state->gy),
-        free(state->gl);
-    free(state->relative), free(state->error), free(state->drelative), free(state->derror);
-    free(state->f), free(state->df), free(state->side), free(state->push), free(state->dpush), free(state->pull);
-    free(state->curve), free(state->gain), free(state->take);
-    free(state->work), free(state->solution), free(state->sum);
+    free(state->flags), free(state->open), free(state->changed), free(state->place), free(state->segment);
+    free(state->store);
     memset(state, 0, sizeof *state);
+}
+
+static size_t lay_out(struct series_state *state, size_t unknowns, double *block)
+{
+    struct arena taken = {.block = block}, *arena = &taken;
+    size_t n = state->network.count, d = state->network.dofs;
+    double **const of_dofs[] = {&state->soft, &state->y, &state->dy, &state->gy, &state->work, &state->solution};
+    double(**const of_contacts[])[2] = {&state->measured, &state->variance, &state->slack,     &state->l,
+                                        &state->dl,       &state->gl,       &state->relative,  &state->error,
+                                        &state->derror,   &state->f,        &state->drelative, &state->df,
+                                        &state->side,     &state->press,    &state->dpress,    &state->pull};
+    for (size_t k = 0; k < sizeof of_dofs / sizeof *of_dofs; k++)
+        *of_dofs[k] = arena_take(arena, d);
+    for (size_t k = 0; k < sizeof of_contacts / sizeof *of_contacts; k++)
+        *of_contacts[k] = arena_rows(arena, n, 2);
+    state->curve = arena_rows(arena, n, 3), state->gain = arena_rows(arena, n, 3);
+    state->take = arena_rows(arena, n, 4);
+    state->share = arena_take(arena, n * (size_t)state->width);
+    state->sum = arena_take(arena, unknowns);
+    return arena->used;
 }
 
 static int state_alloc(struct series_state *state, size_t unknowns)
 {
-    size_t n = state->network.count + 1, d = state->network.dofs + 1;
+    size_t n = state->network.count + 1;
+    state->store = calloc(lay_out(state, unknowns, NULL) + 1, sizeof(double));
     state->open = calloc(n, 1), state->changed = calloc(n, 1);
-    state->measured = calloc(n, sizeof *state->measured), state->variance = calloc(n, sizeof *state->variance);
-    state->slack = calloc(n, sizeof *state->slack);
     state->place = calloc(n * (size_t)state->width, sizeof(int));
-    state->share = calloc(n * (size_t)state->width, sizeof(double));
     state->segment = calloc(n, sizeof(long));
-    state->y = calloc(d, sizeof(double)), state->dy = calloc(d, sizeof(double)), state->gy = calloc(d, sizeof(double));
-    state->soft = calloc(d, sizeof(double));
-    state->l = calloc(n, sizeof *state->l), state->dl = calloc(n, sizeof *state->dl);
-    state->gl = calloc(n, sizeof *state->gl);
-    state->relative = calloc(n, sizeof *state->relative), state->error = calloc(n, sizeof *state->error);
-    state->drelative = calloc(n, sizeof *state->drelative), state->derror = calloc(n, sizeof *state->derror);
-    state->f = calloc(n, sizeof *state->f), state->df = calloc(n, sizeof *state->df);
-    state->side = calloc(n, sizeof *state->side), state->push = calloc(n, sizeof *state->push);
-    state->dpush = calloc(n, sizeof *state->dpush), state->pull = calloc(n, sizeof *state->pull);
-    state->curve = calloc(n, sizeof *state->curve);
-    state->gain = calloc(n, sizeof *state->gain), state->take = calloc(n, sizeof *state->take);
-    state->work = calloc(d, sizeof(double)), state->solution = calloc(d, sizeof(double));
-    state->sum = calloc(unknowns + 1, sizeof(double));
-    return state->open && state->changed && state->measured && state->variance && state->slack && state->place &&
-                   state->share && state->segment && state->soft && state->y && state->dy && state->gy && state->l &&
-                   state->dl && state->gl && state->relative && state->error && state->drelative && state->derror &&
-                   state->f && state->df && state->side && state->push && state->dpush && state->pull && state->curve &&
-                   state->gain && state->take && state->work && state->solution && state->sum
-               ? 0
-               : error_memory("states of the series");
-}
-
-static struct sparse *state_matrix(const struct network *network)
-{
-    int *place = malloc((network->count * NETWORK_WIDTH + 1) * sizeof *place);
-    if (!place) {
-        error_set(EXIT_FAILED, "out of memory: states of the series");
-        return NULL;
-    }
-    for (size_t c = 0; c < network->count; c++)
-        memcpy(place + c * NETWORK_WIDTH, network->contact[c].dof, sizeof network->contact[c].dof);
-    struct sparse *matrix = sparse_create(network->dofs, network->count, NETWORK_WIDTH, place);
-    free(place);
-    return matrix;
+    if (!state->store || !state->open || !state->changed || !state->place || !state->segment)
+        return error_memory("states of the series");
+    lay_out(state, unknowns, state->store);
+    return 0;
 }
 
 /* The network's own unit of force gives way to that of the series. */
@@ -87,7 +71,7 @@ int series_state_build(struct series *series, size_t s)
         return -1;
     common_unit(state, series->force);
     state->width = 8 + (series->shared.shape >= 0 ? 4 * SERIES_HARMONICS : 0);
-    state->matrix = state_matrix(&state->network);
+    state->matrix = network_matrix(&state->network);
     if (!state->matrix || state_alloc(state, series->shared.count))
         return -1;
     for (size_t c = 0; c < state->network.count; c++)
@@ -100,12 +84,14 @@ int series_state_build(struct series *series, size_t s)
 
 /* ---- what the overlaps say ---- */
 
+/* A standard error that is not known counts as none: such a quantity is exact. */
 static double error_of(const double *column, size_t row)
 {
     double s = column_or_zero(column, row);
     return isfinite(s) && s > 0 ? s : 0;
 }
 
+/* The next entry of contact c in its row of B. */
 static void add(struct series_state *state, size_t c, int *at, long place, double share)
 {
     if (place < 0 || share == 0)
@@ -115,6 +101,7 @@ static void add(struct series_state *state, size_t c, int *at, long place, doubl
     ++*at;
 }
 
+/* m, rms: as asked for, else as in the file. */
 static double shape_error(const struct series *series, const struct grains *grains, size_t k)
 {
     double given = series->series_options->shape;
@@ -228,30 +215,24 @@ void series_add_up(const struct series *series, double *out)
     }
 }
 
-static int resize(double **array, size_t size, size_t from)
-{
-    double *grown = realloc(*array, (size + 1) * sizeof *grown);
-    if (!grown)
-        return error_memory("shared unknowns");
-    *array = grown;
-    for (size_t k = from; k < size; k++)
-        grown[k] = 0;
-    return 0;
-}
-
 int series_shared_resize(struct series *series)
 {
-    size_t n = series->shared.count, from = series->shared.allocated;
+    size_t n = series->shared.count, kept = series->shared.allocated < n ? series->shared.allocated : n;
+    double *store = calloc(9 * n + 1, sizeof *store);
+    if (!store)
+        return error_memory("shared unknowns");
+    if (kept > 0)
+        memcpy(store, series->q, kept * sizeof *store);
+    free(series->store);
     sparse_free(series->near);
-    series->near = NULL;
+    series->near = NULL; /* its pattern has changed */
     series->shared.allocated = n;
+    struct arena arena = {.block = series->store = store};
+    series->q = arena_take(&arena, n), series->dq = arena_take(&arena, n);
+    series->diagonal = arena_take(&arena, n), series->defect = arena_take(&arena, n);
     for (int k = 0; k < 5; k++)
-        if (resize(&series->vector[k], n, 0))
-            return -1;
-    return resize(&series->q, n, from < n ? from : n) || resize(&series->dq, n, 0) || resize(&series->diagonal, n, 0) ||
-                   resize(&series->defect, n, 0)
-               ? -1
-               : 0;
+        series->vector[k] = arena_take(&arena, n);
+    return 0;
 }
 
 double series_stiffness(const struct series *series)

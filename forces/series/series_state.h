@@ -10,9 +10,10 @@
 #ifndef FORCES_SERIES_STATE_H
 #define FORCES_SERIES_STATE_H
 
-#include "forces/methods/method.h"
-#include "forces/series/series.h"
 #include "forces/algebra/sparse.h"
+#include "forces/network/force_options.h"
+#include "forces/network/network.h"
+#include "forces/series/series_summary.h"
 
 enum { NORMAL, TANGENTIAL };
 
@@ -30,8 +31,7 @@ enum { SERIES_HARMONICS = 4, SERIES_WIDTH = 8 + 4 * SERIES_HARMONICS };
 
 struct series_state {
     const struct packing *packing;
-    uint32_t *flags;             /* of its contacts: those left out are flagged */
-    const uint32_t *given_flags; /* as in the packing */
+    uint32_t *flags; /* of its contacts: those left out are flagged */
     struct network network;
     struct sparse *matrix;    /* pattern of A A' */
     double mean;              /* <fn> that the loads ask for, in units */
@@ -39,6 +39,7 @@ struct series_state {
     double *soft;             /* of each: more where a contact seems to be missing */
     unsigned char *changed;   /* since the last solution */
     unsigned char *open;      /* carries nothing, and its gap costs nothing */
+    double *store;            /* all arrays of doubles below */
     double (*measured)[2];    /* m; NaN: none */
     double (*variance)[2];    /* of r, as this photo was measured */
     double (*slack)[2];       /* of r in this stage */
@@ -54,10 +55,10 @@ struct series_state {
     double (*derror)[2];      /* B dq */
     double (*f)[2], (*df)[2]; /* forces; of an open contact -gap, 0 */
     double (*side)[2];        /* how far from the edges of the cone, > 0: mu fn -+ ft; fn alone without friction */
-    double (*push)[2];        /* multipliers of the edges, > 0 */
-    double (*dpush)[2];       /* their steps */
+    double (*press)[2];       /* multipliers of the sides, > 0 */
+    double (*dpress)[2];      /* their steps */
     double (*pull)[2];        /* what the edges add to the right-hand side: df = C (A' dy + dl + pull) */
-    double (*curve)[3];       /* C = (1 / V + G' (push / side) G)^-1: nn, nt, tt */
+    double (*curve)[3];       /* C = (1 / V + G' (press / side) G)^-1: nn, nt, tt */
     double (*gain)[3];        /* D = (C + slack)^-1 on the measured lines */
     double (*take)[2][2];     /* G = C D */
     double *work, *solution;  /* per degree of freedom */
@@ -75,6 +76,7 @@ struct series {
     double force;        /* N: the unit, common to all states */
     double stiffness;    /* kn in units per m */
     double s_stiffness;  /* its relative standard error beforehand */
+    double *store;       /* all arrays of shared unknowns below */
     double *q, *dq;      /* the shared unknowns and their step */
     double *defect;      /* sum of B' l, less q: 0 at the optimum */
     double *vector[5];   /* of conjugate gradients */
@@ -83,7 +85,10 @@ struct series {
     int steps, products; /* Newton steps, conjugate gradient steps so far */
     double gradient;     /* largest error of an equation, in <fn> */
     double pull;         /* largest component of `defect` */
-    double gap;          /* mean of side times push */
+    double gap;          /* mean of side times press */
+    double aim;          /* of this step: side times press; below 0: the sides stay as they are */
+    double length;       /* of this step */
+    const double *v;     /* what series_product() multiplies */
 };
 
 /* What a contact without a measurement may carry: wide beliefs that hardly weigh. */
@@ -113,7 +118,7 @@ void series_add_up(const struct series *series, double *out);
 struct series_aim {
     int cold;        /* from scratch, else from where it stands */
     double loose;    /* <fn> of the most loaded state: extra error of every overlap */
-    double gap;      /* mean of side times push */
+    double gap;      /* mean of side times press */
     double gradient; /* <fn>: largest error of an equation of a state */
     double pull;     /* standard deviations: of the shared unknowns' equations */
 };
@@ -134,6 +139,15 @@ int series_linearise(struct series *series);
 int series_respond(struct series *series, double share);
 /* V and f0 of a contact. */
 void series_belief(const struct series_state *state, size_t c, double v[2], double *centre);
+/* Work on every state by itself, on all threads when the series is large. What fails first, in the order of the states,
+ * is the error. */
+typedef int series_work(const struct series *series, struct series_state *state);
+int series_for_states(struct series *series, series_work *work);
+/* work += sign A G g, g on the lines of contact c; then, with u = A' solution,
+ * out = lines D g + motion G' u: how the multipliers of contact c's lines react. */
+void series_take(struct series_state *state, size_t c, double sign, const double g[2]);
+void series_react(const struct series_state *state, size_t c, double lines, const double g[2], double motion,
+                  const double u[2], double out[2]);
 /* K^-1 of that state: work -> solution. */
 int series_state_solve(struct series_state *state);
 

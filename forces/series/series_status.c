@@ -1,8 +1,10 @@
 #include "forces/series/series_status.h"
 
 #define OUT_OF_BALANCE 5 /* standard errors of an equation */
-#define CARRIES 1e-2     /* of <fn> */
+#define CARRIES 1e-2     /* <fn>: a contact with less may open */
 
+/* The most likely overlap is the measured one less the errors found so far. An open contact closes where A' y, what
+ * equilibrium offers for a force there, exceeds twice its gap over the variance of its line. */
 static size_t open_and_close(struct series_state *state)
 {
     size_t changed = 0;

@@ -18,4 +18,14 @@
 /* Least median ZNCC of a photo's grains with the reference. */
 #define LIMIT_ZNCC 0.9
 
+/* The loads on opposite walls differ by more than that share of their mean: a load is wrong or missing, or friction on
+ * the base takes part of it. */
+#define LIMIT_LOADS 0.02
+
+/* Beyond these the forces are void (packing/verdict.h): loads that do not balance, a Weber stress that is not the
+ * applied one, and the mean unbalanced force of a grain over <fn> (a few grains that miss a contact leave less). */
+#define VOID_LOADS 0.1
+#define VOID_STRESS 0.3
+#define VOID_UNBALANCED 0.1
+
 #endif

@@ -101,9 +101,14 @@ static int read_tables(const struct state *state, const char *path, struct packi
 static int read_attributes(const struct state *state, const char *group, struct forces *forces)
 {
     double iterations = 0, converged = 0, infeasible = 0, stress[4] = {NAN, NAN, NAN, NAN};
+    char verdict[NAME_LENGTH] = "";
+    forces->tolerance = NAN;
     forces->imbalance = forces->kn = forces->kt = forces->mu = forces->misfit[0] = forces->misfit[1] = NAN;
     if (state_read_text(state, group, "start", forces->start, sizeof forces->start) < 0 ||
+        state_read_text(state, group, "verdict", verdict, sizeof verdict) < 0 ||
+        state_read_text(state, group, "reasons", forces->reasons, sizeof forces->reasons) < 0 ||
         state_read_numbers(state, group, "iterations", &iterations, 1) < 0 ||
+        state_read_numbers(state, group, "tolerance", &forces->tolerance, 1) < 0 ||
         state_read_numbers(state, group, "converged", &converged, 1) < 0 ||
         state_read_numbers(state, group, "infeasible", &infeasible, 1) < 0 ||
         state_read_numbers(state, group, "residual", &forces->imbalance, 1) < 0 ||
@@ -123,6 +128,9 @@ static int read_attributes(const struct state *state, const char *group, struct 
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
+    for (int k = 0; VERDICT_NAMES[k]; k++)
+        if (!strcmp(verdict, VERDICT_NAMES[k]))
+            forces->verdict = (enum verdict)k;
     forces->infeasible = infeasible == 1;
     memcpy(forces->stress, stress, sizeof stress);
     return 0;
@@ -234,6 +242,15 @@ static int write_stability(struct state_writer *writer, const char *group, const
            state_write_numbers(writer, group, "stability", forces->stability, 2);
 }
 
+static int write_verdict(struct state_writer *writer, const char *group, const struct forces *forces)
+{
+    if (forces->verdict == VERDICT_UNKNOWN)
+        return 0;
+    return state_write_numbers(writer, group, "tolerance", &forces->tolerance, 1) ||
+           state_write_text(writer, group, "verdict", VERDICT_NAMES[forces->verdict]) ||
+           (*forces->reasons && state_write_text(writer, group, "reasons", forces->reasons));
+}
+
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];
@@ -253,8 +270,8 @@ static int write_method(struct state_writer *writer, const struct forces *forces
                    state_write_numbers(writer, group, "mu", &forces->mu, 1) || write_misfit(writer, group, forces) ||
                    (forces->data_misfit > 0 &&
                     state_write_numbers(writer, group, "data_misfit", &forces->data_misfit, 1)) ||
-                   write_walk(writer, group, &forces->walk) || write_stability(writer, group, forces) ||
-                   write_balance(writer, group, forces)
+                   write_verdict(writer, group, forces) || write_walk(writer, group, &forces->walk) ||
+                   write_stability(writer, group, forces) || write_balance(writer, group, forces)
                ? -1
                : 0;
 }

@@ -5,21 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "pipeline/packing/limits.h"
 #include "pipeline/packing/stress.h"
 
 /* ---- loads of walls ---- */
-
-double wall_normal_load(const struct walls *walls, size_t w)
-{
-    if (!walls->fx || !walls->fy || wall_is_disc(walls, w))
-        return NAN;
-    struct vec n = wall_inward(walls, w);
-    double fx = walls->fx[w], fy = walls->fy[w];
-    int along_x = fabs(n.x) > fabs(n.y);
-    if (along_x ? isnan(fx) : isnan(fy))
-        return NAN;
-    return (isnan(fx) ? 0 : fx) * n.x + (isnan(fy) ? 0 : fy) * n.y;
-}
 
 /* Mean size of the loads of the walls whose normal lies along this axis, N. */
 static double mean_load(const struct walls *walls, int axis)
@@ -29,7 +18,7 @@ static double mean_load(const struct walls *walls, int axis)
         if (wall_is_disc(walls, w))
             continue;
         struct vec n = wall_inward(walls, w);
-        double load = wall_normal_load(walls, w);
+        double load = wall_load(walls, w);
         if ((fabs(n.x) > fabs(n.y)) == (axis == 0) && isfinite(load))
             sum += fabs(load), count++;
     }
@@ -99,9 +88,9 @@ static void look_at_walls(struct finding *finding, const struct packing *packing
     const struct walls *walls = &packing->walls;
     double largest = 0;
     for (size_t w = 0; w < walls->count; w++)
-        largest = fmax(largest, fabs(wall_normal_load(walls, w))); /* fmax ignores NaN */
+        largest = fmax(largest, fabs(wall_load(walls, w))); /* fmax ignores NaN */
     for (size_t w = 0; w < walls->count; w++)
-        if (fabs(wall_normal_load(walls, w)) > 1e-3 * largest && !wall_is_carried(packing, finding->forces, w))
+        if (fabs(wall_load(walls, w)) > 1e-3 * largest && !wall_is_carried(packing, finding->forces, w))
             say(finding, VERDICT_VOID, "the %.*s wall is loaded, but no contact there carries anything", NAME_LENGTH,
                 walls->name[w]);
 }
@@ -110,11 +99,11 @@ static void look_at_loads(struct finding *finding, const struct packing *packing
 {
     struct forces *forces = finding->forces;
     double share = loads_misfit_share(&packing->walls, forces->misfit);
-    if (share > LOAD_TOLERANCE)
-        say(finding, share > LOADS_VOID ? VERDICT_VOID : VERDICT_DOUBTFUL,
+    if (share > LIMIT_LOADS)
+        say(finding, share > VOID_LOADS ? VERDICT_VOID : VERDICT_DOUBTFUL,
             "the loads on opposite walls differ by %.2g %% of their mean: look for a wrong or missing load",
             100 * share);
-    if (share > LOAD_TOLERANCE)
+    if (share > LIMIT_LOADS)
         forces->converged = 0;
 }
 
@@ -130,24 +119,27 @@ static void mean_stresses(const double applied[2][2], const double weber[2][2], 
         mean[k] = known ? mean[k] / known : NAN;
 }
 
-static void look_at_stress(struct finding *finding, const struct packing *packing)
+static int look_at_stress(struct finding *finding, const struct packing *packing)
 {
     const struct forces *forces = finding->forces;
-    double applied[2][2], mean[2];
-    stress_applied(packing, packing_area(packing), applied);
+    double applied[2][2], mean[2], area;
+    if (packing_area(packing, &area))
+        return -1;
+    stress_applied(packing, area, applied);
     mean_stresses((const double(*)[2])applied, forces->stress, mean);
     const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
     if (mean[0] < 0)
         say(finding, VERDICT_VOID, "the loads pull outwards (mean stress %.3g %s): is their sign turned?", mean[0],
             units);
     double off = fabs(mean[1] / mean[0] - 1);
-    if (!(mean[0] > 0) || !(off > STRESS_NOTED))
-        return;
-    int is_void = off > STRESS_VOID && forces->iterations > 0;
+    if (!(mean[0] > 0) || !(off > LIMIT_STRESS))
+        return 0;
+    int is_void = off > VOID_STRESS && forces->iterations > 0;
     say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
         "the contact forces make a stress of %.3g %s where %.3g is "
         "applied: contacts were missed, or loads or scale are wrong",
         mean[1], units, mean[0]);
+    return 0;
 }
 
 static void look_at_balance(struct finding *finding, const struct packing *packing)
@@ -163,7 +155,7 @@ static void look_at_balance(struct finding *finding, const struct packing *packi
         say(finding, VERDICT_VOID,
             "no forces at all on these contacts balance the loads: a contact was missed, or a load "
             "is wrong");
-    if (forces->iterations > 0 && forces->imbalance_mean > UNBALANCED_VOID)
+    if (forces->iterations > 0 && forces->imbalance_mean > VOID_UNBALANCED)
         say(finding, VERDICT_VOID, "grains are left with %.2g <fn> unbalanced in the mean", forces->imbalance_mean);
     if (carrying && !forces->converged && !(forces->imbalance <= forces->tolerance))
         say(finding, VERDICT_DOUBTFUL, "%s: up to %.2g <fn> is left unbalanced (tolerance %.2g)",
@@ -176,22 +168,24 @@ static void look_at_overlaps(struct finding *finding, const struct packing *pack
     double ratio = packing->contacts.overlap && isfinite(finding->forces->kn)
                        ? stress_overlaps_over_loads(packing, finding->forces->kn)
                        : NAN;
-    if (ratio > OVERLAPS_NOTED || ratio < 1 / OVERLAPS_NOTED)
+    if (ratio > LIMIT_OVERLAPS_OVER_LOADS || ratio < 1 / LIMIT_OVERLAPS_OVER_LOADS)
         say(finding, VERDICT_DOUBTFUL,
             "overlaps times k_n are %.2g times the loads: scale, k_n or loads are wrong, or "
             "overlaps are no more than their errors",
             ratio);
 }
 
-void verdict_find(const struct packing *packing, struct forces *forces)
+int verdict_find(const struct packing *packing, struct forces *forces)
 {
     struct finding finding = {.forces = forces};
     forces->verdict = VERDICT_BALANCED;
+    if (look_at_stress(&finding, packing))
+        return -1;
     look_at_loads(&finding, packing);
     look_at_walls(&finding, packing);
     look_at_balance(&finding, packing);
-    look_at_stress(&finding, packing);
     look_at_overlaps(&finding, packing);
     const char *gap = *finding.list[0] && *finding.list[1] ? "; " : "";
     snprintf(forces->reasons, sizeof forces->reasons, "%.480s%s%.480s", finding.list[1], gap, finding.list[0]);
+    return 0;
 }

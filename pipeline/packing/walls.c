@@ -57,9 +57,11 @@ double walls_area(const struct walls *walls)
     return 0.5 * vec_cross(vec_sub(corner[2], corner[0]), vec_sub(corner[3], corner[1]));
 }
 
+/* The component along the axis nearest to the normal must be given; a wall that is not quite upright or level, as a
+ * fitted one never is, takes next to nothing of the other. */
 static int load_given(double normal, double component)
 {
-    return isfinite(component) || fabs(normal) < 1e-6;
+    return isfinite(component) || fabs(normal) < 0.7;
 }
 
 double wall_load(const struct walls *walls, size_t w)

@@ -5,24 +5,6 @@
 
 #include "pipeline/speak/error.h"
 
-/* The more a method uses of what is known, the earlier it stands; the truth of a simulation stands alone in its file.
- */
-static int rank(const char *method)
-{
-    static const char *const order[] = {"series", "map", "qsm", "cdm", "cem", "dem"};
-    enum { KNOWN = sizeof order / sizeof *order };
-    for (int k = 0; k < KNOWN; k++)
-        if (!strncmp(order[k], method, NAME_LENGTH))
-            return k;
-    return KNOWN;
-}
-
-int method_order(const char *a, const char *b)
-{
-    int first = rank(a), second = rank(b);
-    return first != second ? first - second : strncmp(a, b, NAME_LENGTH);
-}
-
 const struct forces *method_default(const struct packing *packing)
 {
     const struct forces *first = NULL;

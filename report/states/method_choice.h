@@ -2,14 +2,9 @@
 #ifndef REPORT_METHOD_H
 #define REPORT_METHOD_H
 
+#include "pipeline/packing/method_order.h"
 #include "pipeline/packing/packing.h"
 
-/* For the help of options. */
-#define METHOD_DEFAULT_ORDER "the first that the file has of series, map, qsm, cdm, cem, dem, then others by name"
-
-/* series, map, qsm, cdm, cem, dem, then the others by name: negative when a comes before b, 0 when they are one. Names
- * have at most NAME_LENGTH bytes and need no zero at their end. */
-int method_order(const char *a, const char *b);
 /* The forces of the method that comes first in that order; NULL: the packing has none. */
 const struct forces *method_default(const struct packing *packing);
 /* The forces of that method; of the default one when `method` is NULL, and then *forces may be NULL, too. An error that

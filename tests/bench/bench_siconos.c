@@ -90,7 +90,7 @@ static int by_cdm(const struct network *network, struct reached *reached, double
         options.tolerance = WANTED[t], options.iterations = SWEEPS;
         memset(f, 0, 2 * network->count * sizeof *f);
         double begin = states_cpu();
-        if (cdm_solve(network, &options, f, &outcome))
+        if (CDM_METHOD.solve(&(struct problem){.network = network, .options = &options}, f, &outcome))
             return -1;
         double cpu = states_cpu() - begin;
         *per_sweep = cpu / outcome.iterations;

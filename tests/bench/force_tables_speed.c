@@ -87,7 +87,7 @@ int table_warm(const struct bench *bench, const struct packing *truth, const cha
         for (int s = 0; s < 3; s++) {
             struct force_options options = bench_options();
             char name[60];
-            snprintf(name, sizeof name, "%s%s, %s", FORCE_METHODS[methods[m]], m == 1 ? " accelerated" : "",
+            snprintf(name, sizeof name, "%s%s, %s", method_row(methods[m])->name, m == 1 ? " accelerated" : "",
                      FORCE_STARTS[starts[s]]);
             options.start = starts[s];
             options.previous = bench->previous;
@@ -113,7 +113,7 @@ int table_along(const struct bench *bench, const struct packing *truth, const ch
         for (int method = METHOD_QSM; method <= METHOD_MAP; method++) {
             struct force_options options = bench_options();
             char name[40];
-            snprintf(name, sizeof name, "%s, %s", FORCE_METHODS[method], noise ? "0.1 px" : "exact overlaps");
+            snprintf(name, sizeof name, "%s, %s", method_row(method)->name, noise ? "0.1 px" : "exact overlaps");
             options.start = START_OVERLAP;
             options.rescale = noise;
             if (bench_measure(truth, &measured, &options, (enum force_method)method, text, name))

@@ -166,7 +166,7 @@ static int maps(struct thesis *thesis, enum force_method method, int radii, doub
         double rn = r_common(truth, &measured[s], truth->forces[0].contact.fn, forces[s].contact.fn, 1);
         snprintf(names[s], sizeof names[s], "%.0f %% lost, %.0f %% gained, r(fn) = %.2f", 100 * change.lost,
                  100 * change.gained, rn);
-        thesis_line(thesis, "%s %s", FORCE_METHODS[method], names[s]);
+        thesis_line(thesis, "%s %s", method_row(method)->name, names[s]);
     }
     const struct packing *packings[] = {truth, &measured[0], &measured[1]};
     const struct forces *shown[] = {&truth->forces[0], &forces[0], &forces[1]};

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/methods/method.h"
+#include "forces/methods/known_forces.h"
 #include "pipeline/speak/error.h"
 #include "tests/bench/thesis.h"
 

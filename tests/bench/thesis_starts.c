@@ -57,7 +57,7 @@ static int random_starts(struct thesis *thesis, const struct packing *truth, dou
         double before = length_between(truth, &start);
         int status = thesis_try(truth, truth, &options, method, &trial);
         if (!status) {
-            thesis_line(thesis, "%8g %-5s random %-8g %10.4f %10.4f %9.1e", kappa, FORCE_METHODS[method], SIZES[s],
+            thesis_line(thesis, "%8g %-5s random %-8g %10.4f %10.4f %9.1e", kappa, method_row(method)->name, SIZES[s],
                         before, trial.distance, trial.forces.imbalance);
             chart_put(line, log10(before), trial.distance);
         }
@@ -81,7 +81,7 @@ static int special_starts(struct thesis *thesis, const struct packing *truth, do
             options.tolerance = 1e-5; /* of overlaps that are exact to the state's own 1e-8 */
         if (thesis_try(truth, truth, &options, method, &trial))
             return -1;
-        thesis_line(thesis, "%8g %-5s %-26s %10.4f %9.1e   r %.4f / %.4f", kappa, FORCE_METHODS[method], names[s],
+        thesis_line(thesis, "%8g %-5s %-26s %10.4f %9.1e   r %.4f / %.4f", kappa, method_row(method)->name, names[s],
                     trial.distance, trial.forces.imbalance, trial.rn, trial.rt);
         trial_free(&trial);
     }

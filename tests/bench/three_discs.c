@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/methods/method.h"
+#include "forces/infer_forces.h"
+#include "forces/methods/cdm.h"
 #include "pipeline/numbers/random.h"
 
 static const double HALF = 0.70710678118654752440; /* sin 45 = cos 45 */
@@ -112,8 +113,7 @@ int three_by_program(enum force_method method, double mu, double fn, double ft, 
         return -1;
     }
     double f[4] = {fn / network.force, ft / network.force, fn / network.force, -ft / network.force};
-    int status =
-        method == METHOD_CDM ? cdm_solve(&network, &options, f, &outcome) : qsm_solve(&network, &options, f, &outcome);
+    int status = method_row(method)->solve(&(struct problem){&packing, &network, &options}, f, &outcome);
     *fn_end = f[0] * network.force;
     *ft_end = f[1] * network.force;
     network_free(&network);

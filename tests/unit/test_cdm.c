@@ -82,7 +82,7 @@ static void solve(const struct packing *packing, const struct force_options *opt
     *count = 2 * network.count;
     *f = calloc(*count, sizeof **f);
     omp_set_num_threads(threads);
-    check_done(cdm_solve(&network, options, *f, outcome));
+    check_done(CDM_METHOD.solve(&(struct problem){packing, &network, options}, *f, outcome));
     omp_set_num_threads(before);
     network_free(&network);
 }

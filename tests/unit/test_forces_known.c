@@ -3,7 +3,8 @@
 
 #include "tests/unit/discs.h"
 
-#include "forces/network/evidence.h"
+#include "forces/infer_forces.h"
+#include "forces/methods/cdm.h"
 #include "pipeline/speak/error.h"
 
 static struct force_options options_with(double kn, double mu)
@@ -93,22 +94,20 @@ static void admissible_starts_stay(void **state)
     struct network_options network_options = {.wall_mass = 100};
     three_discs(&packing);
     check_done(network_build(&packing, &options.law, &network_options, &network));
+    const struct problem problem = {&packing, &network, &options};
     for (double mobilised = -1; mobilised <= 1; mobilised += 0.25) {
         double fn = 1530 / sqrt(2) / (1 + 0.5 * mobilised) / network.force, ft = 0.5 * mobilised * fn;
         double f[4] = {fn, ft, fn, -ft};
         struct outcome outcome;
-        struct evidence evidence;
-        check_done(qsm_solve(&network, &options, f, &outcome));
+        check_done(QSM_METHOD.solve(&problem, f, &outcome));
         check_near(f[0], fn, 1e-12);
         check_near(f[1], ft, 1e-12);
-        check_done(cdm_solve(&network, &options, f, &outcome));
+        check_done(CDM_METHOD.solve(&problem, f, &outcome));
         check_near(f[0], fn, 1e-12);
         options.start = START_PREVIOUS;
-        check_done(evidence_build(&packing, &network, &options, f, &evidence));
-        check_done(map_solve(&network, &options, &evidence, f, &outcome));
+        check_done(MAP_METHOD.solve(&problem, f, &outcome));
         check_near(f[2], fn, 1e-9);
         check_near(f[3], -ft, 1e-9);
-        evidence_free(&evidence);
     }
     network_free(&network);
     packing_free(&packing);

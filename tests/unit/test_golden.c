@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/packing/packing.h"
+#include "pipeline/packing/packing_file.h"
 #include "pipeline/packing/patches.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/state/state.h"

@@ -1,4 +1,7 @@
-#include "forces/questions/force_samples.h"
+/* Randomise, then optimise (Bardsley et al. 2014): for a linear Gaussian model the optimum of a problem whose data and
+ * beliefs were disturbed by errors of their own size is a draw from the posterior; here cones cut it, and a factor
+ * makes good for that. Every draw has its own random numbers, by its number, so that threads change nothing. */
+#include "forces/methods/map_samples.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,13 +16,6 @@
 #define DRAW_BARRIER 1e-2 /* of the estimate's: a draw may come close to the edges */
 #define DRAW_ROUGH 1e3    /* far below the spread */
 #define LEAST_SPREAD 1e-3 /* <fn> */
-#define NORMAL_90 1.645   /* standard deviations on each side that hold 90 % */
-
-void spread_free(struct spread *spread)
-{
-    free(spread->s_fn), free(spread->s_ft), free(spread->fn_min), free(spread->fn_max);
-    memset(spread, 0, sizeof *spread);
-}
 
 /* Random numbers of one draw: a key per draw and kind, a counter per contact or error. */
 static uint64_t key_of(size_t draw, unsigned kind)
@@ -31,21 +27,15 @@ static uint64_t key_of(size_t draw, unsigned kind)
 static int disturb(const struct map *base, size_t draw, struct evidence *to)
 {
     const struct evidence *from = base->evidence;
-    double *errors = malloc((from->errors + 1) * sizeof *errors);
-    if (!errors || evidence_copy(from, to)) {
-        free(errors);
-        return errors ? -1 : error_memory("samples");
-    }
-    for (size_t k = 0; k < from->errors; k++)
-        errors[k] = random_normal(key_of(draw, 0), k);
+    if (evidence_copy(from, to))
+        return -1;
     for (size_t c = 0; c < from->count; c++) {
         for (int k = 0; k < EVIDENCE_WIDTH && from->place[c][k] >= 0; k++)
-            to->measured[c] += from->share[c][k] * errors[from->place[c][k]];
+            to->measured[c] += from->share[c][k] * random_normal(key_of(draw, 0), (uint64_t)from->place[c][k]);
         to->measured[c] += sqrt(base->slack[c]) * random_normal(key_of(draw, 1), c);
         to->prior[2 * c] += sqrt(from->variance[2 * c]) * random_normal(key_of(draw, 2), c);
         to->prior[2 * c + 1] += sqrt(from->variance[2 * c + 1]) * random_normal(key_of(draw, 3), c);
     }
-    free(errors);
     return 0;
 }
 
@@ -79,6 +69,7 @@ static double deviation(const double *draws, size_t samples, size_t stride)
     return CALIBRATION * fmax(LEAST_SPREAD, sqrt(sum / (double)(samples - 1)));
 }
 
+/* One map per thread, which each draw overwrites. */
 static int draw_all(const struct map *base, size_t samples, double *draws)
 {
     struct error_shared shared = ERROR_SHARED_NONE;
@@ -99,33 +90,25 @@ static int spread_of(const struct map *base, size_t samples, double *draws, stru
 {
     if (draw_all(base, samples, draws))
         return -1;
-    for (size_t c = 0; c < base->count; c++) {
-        spread->s_fn[c] = deviation(draws + 2 * c, samples, 2 * base->count);
-        spread->s_ft[c] = deviation(draws + 2 * c + 1, samples, 2 * base->count);
-        spread->fn_min[c] = fmax(0, base->forces[2 * c] - NORMAL_90 * spread->s_fn[c]);
-        spread->fn_max[c] = base->forces[2 * c] + NORMAL_90 * spread->s_fn[c];
-    }
+    for (size_t c = 0; c < base->count; c++)
+        spread_set(spread, c, base->forces[2 * c], deviation(draws + 2 * c, samples, 2 * base->count),
+                   deviation(draws + 2 * c + 1, samples, 2 * base->count));
     return 0;
 }
 
-int sample_forces(const struct network *network, const struct force_options *options, const struct evidence *evidence,
-                  struct spread *spread)
+int map_sample(const struct network *network, const struct force_options *options, const struct evidence *evidence,
+               struct spread *spread)
 {
     size_t count = network->count, samples = (size_t)options->samples;
     double *draws = calloc(samples * 2 * count + 1, sizeof *draws);
     struct map base = {0};
-    struct outcome outcome;
-    *spread = (struct spread){calloc(count + 1, sizeof(double)), calloc(count + 1, sizeof(double)),
-                              calloc(count + 1, sizeof(double)), calloc(count + 1, sizeof(double))};
-    int status =
-        draws && spread->s_fn && spread->s_ft && spread->fn_min && spread->fn_max ? 0 : error_memory("samples");
+    struct outcome outcome = {0};
+    int status = draws ? spread_alloc(count, spread) : error_memory("samples");
     if (!status)
         status = map_begin(network, options, evidence, &base) || map_rounds(&base, &outcome) ||
                          spread_of(&base, samples, draws, spread)
                      ? -1
                      : 0;
-    if (status)
-        spread_free(spread);
     map_free(&base);
     free(draws);
     return status;

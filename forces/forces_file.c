@@ -1,0 +1,44 @@
+/* Forces of several methods stand side by side in one packing, by their names. */
+#include "forces/forces_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipeline/packing/packing_file.h"
+#include "pipeline/speak/error.h"
+
+int forces_take_in(struct packing *packing, struct forces *forces)
+{
+    size_t k = 0;
+    while (k < packing->force_count && strcmp(packing->forces[k].method, forces->method))
+        k++;
+    if (k == packing->force_count) {
+        struct forces *grown = realloc(packing->forces, (k + 1) * sizeof *grown);
+        if (!grown)
+            return error_memory("forces");
+        packing->forces = grown;
+        packing->force_count++;
+    } else {
+        forces_free(&packing->forces[k]);
+    }
+    packing->forces[k] = *forces;
+    memset(forces, 0, sizeof *forces);
+    return 0;
+}
+
+int forces_write(const char *path, const struct packing *packing, const struct scene *scene, const char *parameters,
+                 const char *const *inputs, size_t count)
+{
+    struct provenance provenance = PROVENANCE_DEFAULT;
+    provenance.stage = "forces";
+    provenance.parameters = parameters;
+    provenance.scene = scene;
+    provenance.input_paths = inputs;
+    provenance.input_count = count;
+    provenance.index = packing->info.index;
+    provenance.time_s = packing->info.time_s;
+    provenance.coordinates = "si";
+    provenance.length_m = packing->length_m;
+    memcpy(provenance.strain, packing->info.strain, sizeof provenance.strain);
+    return packing_write(path, packing, &provenance);
+}

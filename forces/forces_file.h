@@ -1,0 +1,15 @@
+/* Forces into the packing that they belong to, and that packing into its file. */
+#ifndef FORCES_FORCES_FILE_H
+#define FORCES_FORCES_FILE_H
+
+#include "pipeline/packing/packing.h"
+#include "pipeline/scene/scene.h"
+
+/* Takes the forces over (`forces` is empty afterwards); an old result of the same method gives way. */
+int forces_take_in(struct packing *packing, struct forces *forces);
+/* Writes N.forces.hdf: the packing with all its forces, how they came about (JSON), and the files they came from. The
+ * file is whole or absent. */
+int forces_write(const char *path, const struct packing *packing, const struct scene *scene, const char *parameters,
+                 const char *const *inputs, size_t count);
+
+#endif
