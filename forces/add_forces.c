@@ -110,7 +110,7 @@ int add_forces(const struct force_request *request, struct force_outcome *outcom
                  (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);
     outcome->grains = packing.grains.count;
-    if (!status && options.law.kind == LAW_LINEAR)
+    if (!status && contact_law_row(&options.law)->linear)
         outcome->overlaps_over_loads = stress_overlaps_over_loads(&packing, options.law.kn);
     packing_free(&packing);
     packing_free(&previous);

@@ -19,7 +19,7 @@ const char *const FORCE_FIXES[] = {"none", "normal", "tangential", NULL};
 /* Before anything is built: what the row says it needs. */
 static int check_needs(const struct packing *packing, const struct force_options *options, const struct method *method)
 {
-    if ((method->needs & NEEDS_STIFFNESS) && !elastic_known(&options->law))
+    if ((method->needs & NEEDS_STIFFNESS) && !contact_law_known(&options->law))
         return error_input("no contact stiffness: method %s needs the scene's contact.kn_N_per_m or young_Pa",
                            method->name);
     if ((method->needs & NEEDS_OVERLAPS) && !packing->contacts.overlap)

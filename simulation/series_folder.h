@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/speak/progress.h"
 #include "simulation/dem/simulate.h"
 

@@ -221,7 +221,7 @@ static int search_plan(const struct options *o, struct simulation *simulation)
     struct hertz_found found;
     if (o->dimensions == HERTZ_3D)
         return search_spheres(o, simulation, &goal);
-    if (simulation->law.kind != LAW_HERTZ_PFC && simulation->law.kind != LAW_HERTZ_MINDLIN)
+    if (!contact_law_row(&simulation->law)->smooth)
         return error_input("%s: contact.law: a search seeks Hertz parameters: make it hertz_pfc or hertz_mindlin",
                            o->cli.scene);
     if (hertz_probes_open(simulation, &probe, o->anew, o->record, &goal, &probes))

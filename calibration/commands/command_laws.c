@@ -11,7 +11,7 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAW_COUNT = 5 };
+enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAWS = 5, PLASTIC = 3 };
 
 struct options {
     struct cli cli;
@@ -19,14 +19,9 @@ struct options {
     struct law_probe probe;
 };
 
-static const struct {
-    const char *name;
-    enum contact_law_kind kind;
-} laws[LAW_COUNT] = {{"hertz_pfc", LAW_HERTZ_PFC},
-                     {"hertz_mindlin", LAW_HERTZ_MINDLIN},
-                     {"pohrt_popov", LAW_POHRT_POPOV},
-                     {"pohrt_popov_plastic", LAW_POHRT_POPOV_PLASTIC},
-                     {"linear", LAW_LINEAR}};
+/* Those of Tolomeo and McDowell; the first one says how stiff the linear one is, number PLASTIC is drawn by groups. */
+static const struct law *const laws[LAWS] = {&hertz_pfc_law, &hertz_mindlin_law, &pohrt_popov_law,
+                                             &pohrt_popov_plastic_law, &linear_law};
 
 static const char documentation[] =
     "Contact laws compared on one small-strain biaxial probe of the scene's packing (Tolomeo and McDowell 2022): how "
@@ -92,7 +87,6 @@ static cJSON *describe_curve(const char *name, const struct law_curve *curve, do
     return object;
 }
 
-/* Four panels: E over strain, deviator, contacts of the plastic law by group, their directions. */
 /* A law's curves: E and q over the strain, with the contacts of each group and their directions where charts are given
  * for them. E and the groups belong to the loading alone. */
 static int add_law(const char *name, const struct law_curve *curve, double length, struct chart charts[4], int grouped)
@@ -122,9 +116,8 @@ static int add_law(const char *name, const struct law_curve *curve, double lengt
 }
 
 /* Four charts: E over strain, deviator, contacts of the plastic law by group, their directions. */
-static int draw(const char *path, const struct law_curve curves[LAW_COUNT], double length)
+static int draw(const char *path, const struct law_curve curves[LAWS], double length)
 {
-    enum { PLASTIC = 3 };
     static const char strain[] = "axial strain";
     struct chart charts[4] = {
         {.title = "Tangent modulus", .x_label = strain, .y_label = "E, MPa", .log_x = 1},
@@ -132,8 +125,8 @@ static int draw(const char *path, const struct law_curve curves[LAW_COUNT], doub
         {.title = "Contacts, pohrt_popov_plastic", .x_label = strain, .y_label = "contacts", .log_x = 1},
         {.title = "Their direction from the horizontal", .x_label = strain, .y_label = "degrees", .log_x = 1}};
     int status = 0;
-    for (int l = 0; l < LAW_COUNT && !status; l++)
-        status = add_law(laws[l].name, &curves[l], length, charts, l == PLASTIC);
+    for (int l = 0; l < LAWS && !status; l++)
+        status = add_law(laws[l]->name, &curves[l], length, charts, l == PLASTIC);
     if (!status)
         status = chart_write(path, charts, 4, CALIBRATION_CHART_WIDTH, CALIBRATION_CHART_HEIGHT);
     for (int k = 0; k < 4; k++)
@@ -145,13 +138,13 @@ static int draw(const char *path, const struct law_curve curves[LAW_COUNT], doub
 static int compare(const struct options *options, const struct simulation *simulation, struct law_curve *curves)
 {
     double stiffness = 0;
-    for (int l = 0; l < LAW_COUNT; l++) {
+    for (int l = 0; l < LAWS; l++) {
         struct contact_law law = simulation->law;
-        law.kind = laws[l].kind;
-        if (law.kind == LAW_LINEAR)
+        law.row = laws[l];
+        if (law.row->linear)
             law.kn = stiffness;
         if (law_compare(simulation, &law, &options->probe, &curves[l]))
-            return error_context("%s", laws[l].name);
+            return error_context("%s", laws[l]->name);
         if (l == 0)
             stiffness = curves[l].mean_stiffness;
     }
@@ -163,8 +156,8 @@ static int write_all(const struct options *options, const struct law_curve *curv
     cJSON *object = cJSON_CreateObject(), *list = cJSON_CreateArray();
     size_t moving = 0, steps = 0;
     cJSON_AddStringToObject(object, "schema", "film.laws/1");
-    for (int l = 0; l < LAW_COUNT; l++) {
-        cJSON_AddItemToArray(list, describe_curve(laws[l].name, &curves[l], length));
+    for (int l = 0; l < LAWS; l++) {
+        cJSON_AddItemToArray(list, describe_curve(laws[l]->name, &curves[l], length));
         for (size_t k = 0; k < curves[l].count; k++, steps++)
             moving += !curves[l].steps[k].rested;
     }
@@ -179,7 +172,7 @@ static int run(const struct options *options)
 {
     struct scene scene = {0};
     struct simulation_plan plan = {0};
-    struct law_curve curves[LAW_COUNT] = {{.count = 0}};
+    struct law_curve curves[LAWS] = {{.count = 0}};
     int status = scene_read(options->cli.scene, &scene);
     if (!status)
         status = simulation_read(&scene, &plan);
@@ -192,7 +185,7 @@ static int run(const struct options *options)
         status = compare(options, &plan.simulation, curves);
     if (!status)
         status = write_all(options, curves, isnan(plan.simulation.length) ? 1 : plan.simulation.length);
-    for (int l = 0; l < LAW_COUNT; l++)
+    for (int l = 0; l < LAWS; l++)
         law_curve_free(&curves[l]);
     simulation_plan_free(&plan);
     scene_free(&scene);

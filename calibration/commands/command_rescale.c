@@ -127,7 +127,7 @@ static int run(struct options *options)
     for (size_t k = 0; k < count && !status; k++)
         status = packing_read(options->files.paths[k], &states[k]);
     options->rescale.law = scene.contact;
-    if (!status && scene.contact_given && scene.contact.kind != LAW_LINEAR)
+    if (!status && scene.contact_given && !contact_law_row(&scene.contact)->linear)
         status = error_input("%s: contact.law: rescaling finds the k_n of the linear law: make it linear",
                              options->cli.scene);
     if (!status)

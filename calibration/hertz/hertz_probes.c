@@ -12,9 +12,7 @@
 static struct contact_law law_of(const struct simulation *simulation, double young, double poisson)
 {
     struct contact_law law = simulation->law;
-    law.young = young;
-    law.poisson = poisson;
-    law.kt_over_kn = 2 * (1 - poisson) / (2 - poisson);
+    contact_law_set_grains(&law, young, poisson);
     return law;
 }
 
@@ -22,14 +20,15 @@ static struct contact_law law_of(const struct simulation *simulation, double you
 static void describe(const struct hertz_probes *probes, double base_young, double base_poisson, char *text, size_t size)
 {
     const struct simulation *s = probes->simulation;
-    int n = snprintf(text, size,
-                     "{\"schema\":\"film.probes/1\",\"version\":\"%s\",\"cold\":%d,\"seed\":%llu,\"pressure\":%.17g,"
-                     "\"preparation_mu\":%.17g,\"inertial\":%.17g,\"tolerance\":%.17g,\"restitution\":%.17g,"
-                     "\"aspect\":%.17g,\"time_step\":%.17g,\"density\":%.17g,\"law\":%d,\"strain\":%.17g,\"mu\":%.17g,"
-                     "\"base\":[%.17g,%.17g],\"grading\":[",
-                     film_version, probes->cold, (unsigned long long)s->seed, s->pressure, s->law.mu, s->inertial,
-                     s->tolerance, s->restitution, s->aspect, s->time_step, s->density, (int)s->law.kind,
-                     probes->probe.strain, probes->probe.mu, base_young, base_poisson);
+    int n =
+        snprintf(text, size,
+                 "{\"schema\":\"film.probes/1\",\"version\":\"%s\",\"cold\":%d,\"seed\":%llu,\"pressure\":%.17g,"
+                 "\"preparation_mu\":%.17g,\"inertial\":%.17g,\"tolerance\":%.17g,\"restitution\":%.17g,"
+                 "\"aspect\":%.17g,\"time_step\":%.17g,\"density\":%.17g,\"law\":\"%s\",\"strain\":%.17g,\"mu\":%.17g,"
+                 "\"base\":[%.17g,%.17g],\"grading\":[",
+                 film_version, probes->cold, (unsigned long long)s->seed, s->pressure, s->law.mu, s->inertial,
+                 s->tolerance, s->restitution, s->aspect, s->time_step, s->density, contact_law_row(&s->law)->name,
+                 probes->probe.strain, probes->probe.mu, base_young, base_poisson);
     for (size_t g = 0; g < s->grade_count && (size_t)n < size; g++)
         n += snprintf(text + n, size - (size_t)n, "%s[%ld,%.17g]", g ? "," : "", s->grading[g].count,
                       s->grading[g].diameter);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/placement.h"
 
@@ -38,13 +39,6 @@ static int copy(const struct probe_packing *from, struct probe_packing *to)
     return dem_copy(&from->loading.dem, &to->loading.dem);
 }
 
-static int relax(struct probe_packing *packing)
-{
-    struct loading *loading = &packing->loading;
-    struct patience patience = {packing->simulation.tolerance, packing->simulation.max_steps, loading->stiffness};
-    return dem_relax(&loading->dem, &loading->servo, &patience, &loading->steps);
-}
-
 /* Springs keep their overlaps; tangential forces grow with the stiffness, so that no friction is spent by the change.
  */
 static void scale_tangential(struct dem *dem, double ratio)
@@ -70,24 +64,18 @@ int probe_adapt(const struct probe_packing *packing, const struct contact_law *l
     adapted->simulation.law = *law;
     adapted->simulation.law.mu = packing->simulation.law.mu; /* that of the compression */
     adapted->simulation.law.mu_wall = packing->simulation.law.mu_wall;
-    dem_change_law(&loading->dem, &adapted->simulation.law);
+    int status = dem_change_law(&loading->dem, &adapted->simulation.law);
     scale_tangential(&loading->dem, ratio);
     loading->stiffness *= pow(ratio, 2.0 / 3);
     loading->time_step *= pow(ratio, -1.0 / 3);
     loading->steps = 0;
     loading->servo.hold[BOX_WIDTH] = loading->servo.hold[BOX_HEIGHT] = HOLD_STRESS;
-    if (relax(adapted) < 0) {
+    if (status || loading_relax(loading) < 0) {
         probe_packing_free(adapted);
         return -1;
     }
     memcpy(loading->size, loading->dem.box.size, sizeof loading->size);
     return 0;
-}
-
-static int by_radius(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 void probe_fabric(const struct probe_packing *packing, struct probe_fabric *fabric)
@@ -104,18 +92,11 @@ void probe_fabric(const struct probe_packing *packing, struct probe_fabric *fabr
     for (size_t p = 0; p < dem->pair_count; p++)
         if (dem->pairs[p].touching)
             p < dem->first[dem->count] ? between++ : wall++;
-    if (radius)
-        qsort(radius, dem->count, sizeof *radius, by_radius);
     fabric->porosity = 1 - area / box;
     fabric->z = (2 * (double)between + (double)wall) / (double)dem->count;
     fabric->volume_per_contact = box / ((double)between + 0.5 * (double)wall); /* a wall's branch is half as long */
-    fabric->d50 = radius ? radius[(dem->count - 1) / 2] + radius[dem->count / 2] : NAN;
+    fabric->d50 = radius ? 2 * median_of(radius, dem->count) : NAN;
     free(radius);
-}
-
-static double stress_y(const struct dem *dem)
-{
-    return dem->box.push[BOX_HEIGHT] / dem->box.size[BOX_WIDTH];
 }
 
 /* One step of the biaxial test, at the strain. */
@@ -123,7 +104,7 @@ static int strain(struct probe_packing *packing, double by, struct probe_result 
 {
     struct loading *loading = &packing->loading;
     const struct dem *dem = &loading->dem;
-    double width = dem->box.size[BOX_WIDTH], height = dem->box.size[BOX_HEIGHT], before = stress_y(dem);
+    double width = dem->box.size[BOX_WIDTH], height = dem->box.size[BOX_HEIGHT], before = box_stress(dem, BOX_HEIGHT);
     packing->simulation.test = TEST_BIAXIAL_VERTICAL;
     packing->simulation.relax_at_stress = 0;
     memcpy(loading->size, dem->box.size, sizeof loading->size);
@@ -131,7 +112,7 @@ static int strain(struct probe_packing *packing, double by, struct probe_result 
     if (rested < 0)
         return -1;
     double eps_x = 1 - dem->box.size[BOX_WIDTH] / width, eps_y = 1 - dem->box.size[BOX_HEIGHT] / height;
-    result->young = (stress_y(dem) - before) / eps_y;
+    result->young = (box_stress(dem, BOX_HEIGHT) - before) / eps_y;
     result->poisson = -eps_x / eps_y;
     return rested;
 }
@@ -145,7 +126,7 @@ int probe_run(const struct probe_packing *packing, const struct probe_options *o
         return -1;
     probe.simulation.law.mu = probe.loading.dem.mu = options->mu;
     probe.loading.dem.law.mu = options->mu;
-    int first = relax(&probe), second = first < 0 ? -1 : strain(&probe, options->strain, result);
+    int first = loading_relax(&probe.loading), second = first < 0 ? -1 : strain(&probe, options->strain, result);
     result->rested = first == 1 && second == 1;
     result->steps = probe.loading.steps;
     probe_packing_free(&probe);

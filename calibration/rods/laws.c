@@ -52,25 +52,20 @@ static void count_groups(const struct snapshot *before, const struct dem *dem, s
         step->angle[g] = step->count[g] ? fabs(0.5 * atan2(fabric[g][1], fabric[g][0])) : NAN;
 }
 
-static double stress(const struct dem *dem, int freedom)
-{
-    return dem->box.push[freedom] / dem->box.size[freedom == BOX_HEIGHT ? BOX_WIDTH : BOX_HEIGHT];
-}
-
 static int take_step(struct probe_packing *packing, double to, double height, struct law_step *step)
 {
     struct loading *loading = &packing->loading;
     struct dem *dem = &loading->dem;
     struct snapshot before;
-    double stress_before = stress(dem, BOX_HEIGHT), strain_before = 1 - dem->box.size[BOX_HEIGHT] / height;
+    double stress_before = box_stress(dem, BOX_HEIGHT), strain_before = 1 - dem->box.size[BOX_HEIGHT] / height;
     if (snapshot_take(dem, &before))
         return -1;
     int rested = loading_step(loading, to - strain_before);
     if (rested >= 0) {
         step->rested = rested;
         step->strain = 1 - dem->box.size[BOX_HEIGHT] / height;
-        step->young = (stress(dem, BOX_HEIGHT) - stress_before) / (step->strain - strain_before);
-        step->deviator = stress(dem, BOX_HEIGHT) - stress(dem, BOX_WIDTH);
+        step->young = (box_stress(dem, BOX_HEIGHT) - stress_before) / (step->strain - strain_before);
+        step->deviator = box_stress(dem, BOX_HEIGHT) - box_stress(dem, BOX_WIDTH);
         count_groups(&before, dem, step);
     }
     snapshot_free(&before);

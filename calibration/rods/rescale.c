@@ -75,7 +75,7 @@ static int elastic_series(struct job *job, double ratio)
     struct packing before = {0};
     int status = 0;
     options.law = job->options->law;
-    options.law.kind = LAW_LINEAR;
+    options.law.row = &linear_law;
     options.law.kn = TRIAL_KN;
     options.law.kt_over_kn = ratio;
     for (size_t k = 0; k < job->count && !status; k++) {

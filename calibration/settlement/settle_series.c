@@ -15,6 +15,19 @@ void settle_series_free(struct settle_series *series)
     memset(series, 0, sizeof *series);
 }
 
+/* Positions of one file's grains times (right, up), those that are not to be trusted as NaN. */
+static int take(size_t count, const double *x, const double *y, const uint32_t *flags, double right, double up,
+                double **at)
+{
+    *at = malloc((2 * count + 1) * sizeof **at);
+    for (size_t k = 0; *at && k < count; k++) {
+        int lost = flags && (flags[k] & GRAIN_DISTRUST);
+        (*at)[2 * k] = lost ? NAN : right * x[k];
+        (*at)[2 * k + 1] = lost ? NAN : up * y[k];
+    }
+    return *at ? 0 : error_memory("positions");
+}
+
 static int read_tracks(const struct state *state, const char *path, double scale, size_t *count, double **at)
 {
     static const char *const needed[] = {"x_px", "y_px", NULL};
@@ -24,14 +37,10 @@ static int read_tracks(const struct state *state, const char *path, double scale
     if (state_read(state, "grains", &PHOTO_GRAINS, needed, &grains))
         return -1;
     *count = grains.count;
-    *at = malloc((2 * grains.count + 1) * sizeof **at);
-    for (size_t k = 0; *at && k < grains.count; k++) {
-        int lost = grains.flags && (grains.flags[k] & GRAIN_DISTRUST);
-        (*at)[2 * k] = lost ? NAN : scale * grains.x_px[k];
-        (*at)[2 * k + 1] = lost ? NAN : -scale * grains.y_px[k];
-    }
+    /* y of a photo goes down */
+    int status = take(grains.count, grains.x_px, grains.y_px, grains.flags, scale, -scale, at);
     table_free(&PHOTO_GRAINS, &grains);
-    return *at ? 0 : error_memory("positions");
+    return status;
 }
 
 static int read_si(const struct state *state, size_t *count, double **at)
@@ -41,14 +50,9 @@ static int read_si(const struct state *state, size_t *count, double **at)
     if (state_read(state, "grains", &GRAINS, needed, &grains))
         return -1;
     *count = grains.count;
-    *at = malloc((2 * grains.count + 1) * sizeof **at);
-    for (size_t k = 0; *at && k < grains.count; k++) {
-        int lost = grains.flags && (grains.flags[k] & GRAIN_DISTRUST);
-        (*at)[2 * k] = lost ? NAN : grains.x[k];
-        (*at)[2 * k + 1] = lost ? NAN : grains.y[k];
-    }
+    int status = take(grains.count, grains.x, grains.y, grains.flags, 1, 1, at);
     table_free(&GRAINS, &grains);
-    return *at ? 0 : error_memory("positions");
+    return status;
 }
 
 static int read_positions(const char *path, double scale, size_t *count, double **at)

@@ -52,16 +52,6 @@ static double pair_overlap(const struct dem *dem, const struct dem_pair *pair, d
     return g->radius + radius - distance;
 }
 
-/* Work of the law's normal force on first loading up to the overlap. */
-static double press_energy(const struct dem *dem, size_t p, double overlap, double force)
-{
-    struct contact_law law = dem->law;
-    struct contact_spring spring = {.fn = force, .stiffness = 1};
-    if (law.kind == LAW_POHRT_POPOV_PLASTIC)
-        law.kind = LAW_POHRT_POPOV; /* the same first loading, and what it takes, not what it gives back */
-    return contact_spring_energy(&law, dem_pair_law(dem, p), overlap, &spring);
-}
-
 /* Energy and force of a pair that overlaps (part), or that was in contact and keeps its overlap (carry). */
 static double pair_energy(const struct work *work, size_t p, double overlap, double *force)
 {
@@ -74,8 +64,10 @@ static double pair_energy(const struct work *work, size_t p, double overlap, dou
     }
     if (!(overlap > 0))
         return 0;
-    *force = contact_pair_force(&work->dem->law, dem_pair_law(work->dem, p), overlap);
-    return press_energy(work->dem, p, overlap, *force);
+    const struct contact_law *law = &work->dem->law;
+    const struct contact_pair *law_of_pair = dem_pair_law(work->dem, p);
+    *force = contact_pair_force(law, law_of_pair, overlap);
+    return contact_pair_work(law, law_of_pair, overlap, *force);
 }
 
 /* Loads (part), or springs to where the grains were put (carry). */

@@ -8,7 +8,7 @@
 
 static int is_known(const struct scene *scene)
 {
-    return scene->loads && scene->frame.given && scene->contact_given && scene->contact.kind == LAW_LINEAR &&
+    return scene->loads && scene->frame.given && scene->contact_given && contact_law_row(&scene->contact)->linear &&
            scene->contact.kn > 0;
 }
 

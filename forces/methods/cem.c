@@ -50,7 +50,7 @@ static void advance(const struct problem *problem, size_t c, int old, double *f)
     fn = old || isfinite(fn) ? fn : 0;
     ft = isfinite(ft) ? ft : 0;
     struct contact_pair pair = elastic_pair(packing, &options->law, row);
-    elastic_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
+    contact_pair_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
                     known_n && known_t ? dut : 0, &fn, &ft);
     if (old && !known_n)
         fn = ft = NAN;
@@ -75,7 +75,7 @@ static int solve(const struct problem *problem, double *f, struct outcome *outco
 {
     const struct packing *previous = problem->options->previous;
     (void)outcome; /* nothing is iterated */
-    if (!elastic_known(&problem->options->law))
+    if (!contact_law_known(&problem->options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m");
     if (previous ? forces_of_state(problem, previous, CEM_METHOD.name, f) : forces_of_overlaps(problem, f))
         return -1;

@@ -22,7 +22,7 @@ int forces_of_overlaps(const struct problem *problem, double *f)
     const struct packing *packing = problem->packing;
     const struct network *network = problem->network;
     const struct force_options *options = problem->options;
-    if (!elastic_known(&options->law))
+    if (!contact_law_known(&options->law))
         return error_input("no contact stiffness: give the scene contact.kn_N_per_m, or start from zero or mean");
     if (!packing->contacts.overlap)
         return error_input("the contacts have no overlaps: run contacts again, or start from zero or mean");

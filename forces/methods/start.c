@@ -14,7 +14,7 @@ enum force_start start_meant(const struct problem *problem, const struct method 
         return options->previous ? START_PREVIOUS : START_OVERLAP;
     if (options->start != START_DEFAULT)
         return options->start;
-    return elastic_known(&options->law) && problem->packing->contacts.overlap ? START_OVERLAP : START_ZERO;
+    return contact_law_known(&options->law) && problem->packing->contacts.overlap ? START_OVERLAP : START_ZERO;
 }
 
 /* An iteration may begin anywhere: a force that is not known begins at 0; but it cannot be held. */

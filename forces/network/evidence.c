@@ -185,7 +185,7 @@ static struct elastic_tangent tangent_at(const struct packing *packing, const st
 {
     double overlap = packing->contacts.overlap[row];
     struct contact_pair pair = elastic_pair(packing, law, row);
-    double at = law->kind == LAW_LINEAR ? overlap : fmax(overlap, error_of(known, S_OVERLAP, row));
+    double at = contact_law_row(law)->linear ? overlap : fmax(overlap, error_of(known, S_OVERLAP, row));
     struct elastic_tangent tangent = elastic_tangent(law, &pair, at);
     tangent.force += tangent.stiffness * (overlap - fmax(0, at));
     return tangent;

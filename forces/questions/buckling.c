@@ -254,7 +254,7 @@ int stability_of_forces(const struct packing *packing, const struct force_option
     struct packing loaded;
     struct network network = {0};
     struct network_options network_options = {.wall_mass = options->wall_mass};
-    if (!elastic_known(&options->law))
+    if (!contact_law_known(&options->law))
         return error_input("no contact stiffness: --stability needs the scene's contact.kn_N_per_m or young_Pa");
     if (carrying(packing, &forces->contact, &loaded))
         return -1;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "forces/algebra/arena.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/speak/error.h"
 
 void series_state_free(struct series_state *state)
@@ -132,20 +133,28 @@ static double add_grain(const struct series *series, struct series_state *state,
 }
 
 /* s_offset of the walls is taken for the error of their line in the reference; that of one photo is as a grain's. */
-static double median_error(const struct grains *g)
+int series_median_error(const struct grains *g, double *median)
 {
-    double sum = 0, count = 0;
+    double *s = malloc((g->count + 1) * sizeof *s);
+    size_t count = 0;
+    if (!s)
+        return error_memory("errors of grains");
     for (size_t k = 0; k < g->count; k++)
         if (error_of(g->s_x, k) > 0)
-            sum += error_of(g->s_x, k), count++;
-    return count > 0 ? sum / count : 0;
+            s[count++] = error_of(g->s_x, k);
+    *median = count ? median_of(s, count) : 0;
+    free(s);
+    return 0;
 }
 
 int series_state_measure(struct series *series, size_t s, double offset, double s_offset)
 {
     struct series_state *state = &series->state[s];
     const struct packing *packing = state->packing;
-    double kn = series->stiffness, wall_error = kn * median_error(&packing->grains);
+    double kn = series->stiffness, wall_error;
+    if (series_median_error(&packing->grains, &wall_error))
+        return -1;
+    wall_error *= kn;
     for (size_t c = 0; c < state->network.count; c++) {
         size_t row = state->network.contact[c].row, w;
         int at = 0, wall = packing_is_wall(packing, row, &w);

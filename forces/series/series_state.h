@@ -97,6 +97,8 @@ struct series {
 
 int series_state_build(struct series *series, size_t s);
 void series_state_free(struct series_state *state);
+/* Median of the grains' standard errors along x (m), those not known left out; 0: none is. */
+int series_median_error(const struct grains *grains, double *median);
 /* B of the normal lines, and m, from the packing; `stiffness` and `offset` (m, of each radius) as fitted. */
 int series_state_measure(struct series *series, size_t s, double offset, double s_offset);
 /* kn as now estimated, in units per m. An error of kn acts on a line like an overlap error in proportion to fn (not to

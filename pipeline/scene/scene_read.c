@@ -35,7 +35,7 @@ static void set_defaults(struct scene *scene)
     scene->photos.block = 20;
     scene->scale = NAN;
     scene->grains = (struct scene_grains){NAN, NAN, NAN, NAN};
-    scene->contact = (struct contact_law){.kind = LAW_LINEAR, .kn = NAN, .kt_over_kn = 1, .mu = NAN};
+    scene->contact = (struct contact_law)CONTACT_LAW_DEFAULT;
 }
 
 static int check_root(const struct json *json)

@@ -230,7 +230,7 @@ static void gather(struct dem *dem, struct instant now)
 
 static double stiffest_contact(const struct dem *dem)
 {
-    if (dem->law.kind == LAW_LINEAR)
+    if (contact_law_row(&dem->law)->linear)
         return dem->law.kn;
     double stiffest = 0;
     for (size_t p = 0; p < dem->pair_count; p++)

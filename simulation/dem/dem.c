@@ -55,14 +55,6 @@ int dem_copy(const struct dem *from, struct dem *to)
     return error_memory("a copy of the packing");
 }
 
-void dem_change_law(struct dem *dem, const struct contact_law *law)
-{
-    dem->law = *law;
-    dem->searched_size[BOX_WIDTH] = -INFINITY; /* as if the box had been elsewhere at the last search */
-    for (size_t k = 0; k < dem->count; k++)
-        dem->searched_at[k].x = INFINITY;
-}
-
 void dem_free(struct dem *dem)
 {
     free(dem->grains);
@@ -143,7 +135,7 @@ void dem_place_walls(struct dem *dem)
 
 const struct contact_pair *dem_pair_law(const struct dem *dem, size_t p)
 {
-    return dem->law.kind == LAW_LINEAR ? &dem->linear : &dem->pair_law[p];
+    return contact_law_row(&dem->law)->linear ? &dem->linear : &dem->pair_law[p];
 }
 
 struct dem_energy dem_energy(const struct dem *dem)

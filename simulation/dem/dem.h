@@ -73,7 +73,7 @@ struct dem {
     struct dem_grain *grains;
     struct dem_box box;
     struct dem_pair *pairs;        /* grain pairs sorted by (i, j), then walls sorted by (i, side) */
-    struct contact_pair *pair_law; /* per pair, where the law depends on the radii */
+    struct contact_pair *pair_law; /* per pair, where the law depends on the radii; else NULL */
     size_t pair_count, pair_capacity;
     size_t *first, *wall_first; /* count + 1: first grain pair, first wall pair of each grain i */
     size_t *back_first, *back;  /* count + 1; grain pairs in which a grain is the second: for threads */
@@ -95,8 +95,9 @@ int dem_alloc(struct dem *dem, size_t count);
 void dem_free(struct dem *dem);
 /* Another packing in the same state; `to` is empty before. */
 int dem_copy(const struct dem *from, struct dem *to);
-/* Another contact law for the same grains: pairs are made anew at the next forces, overlaps and histories stay. */
-void dem_change_law(struct dem *dem, const struct contact_law *law);
+/* Another contact law for the same grains. Overlaps and histories (tangential force, stiffness, largest force) stay as
+ * they are; normal forces follow the new law from the next forces on. -1: no memory. */
+int dem_change_law(struct dem *dem, const struct contact_law *law);
 
 /* Damping ratio of a linear spring and dashpot that is never pulled, for a normal restitution e in [0.14, 1]:
  * e = exp(-(pi - 2 a) tan a), ratio = sin a (the contact ends when its force vanishes, not its overlap). */

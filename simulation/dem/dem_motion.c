@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+/* Work per unit of the width is force over the height of the side walls, and so on; of the shear: over the area. */
 double servo_load(const struct dem *dem, const struct servo *servo, int freedom)
 {
     const double *size = dem->box.size;
@@ -13,6 +14,12 @@ double servo_load(const struct dem *dem, const struct servo *servo, int freedom)
     default:
         return -servo->stress_xy * size[BOX_WIDTH] * size[BOX_HEIGHT];
     }
+}
+
+double box_stress(const struct dem *dem, int freedom)
+{
+    double width = dem->box.size[BOX_WIDTH], height = dem->box.size[BOX_HEIGHT];
+    return dem->box.push[freedom] / (freedom == BOX_WIDTH ? height : freedom == BOX_HEIGHT ? width : width * height);
 }
 
 /* A wall moves like a row of grains across the box. */

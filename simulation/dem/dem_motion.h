@@ -18,6 +18,10 @@ struct servo {
 /* Force from outside on the freedom of the box, where it is held by a stress. */
 double servo_load(const struct dem *dem, const struct servo *servo, int freedom);
 
+/* The stress with which the grains push a freedom of the box: N/m, compression positive. In equilibrium under
+ * HOLD_STRESS it is the servo's. */
+double box_stress(const struct dem *dem, int freedom);
+
 /* One leapfrog step: forces at x, then v += dt F/m, x += dt v. drag (1/s) brakes the motion relative to the affine
  * motion of the box when follow is set, else the motion itself. */
 struct stepping {

@@ -32,12 +32,6 @@ static int pair_room(struct dem *dem)
     if (!pairs)
         return error_memory("pairs of grains");
     dem->pairs = pairs;
-    if (dem->law.kind != LAW_LINEAR) {
-        struct contact_pair *laws = realloc(dem->pair_law, capacity * sizeof *laws);
-        if (!laws)
-            return error_memory("pairs of grains");
-        dem->pair_law = laws;
-    }
     dem->pair_capacity = capacity;
     return 0;
 }
@@ -50,10 +44,19 @@ static int pair_add(struct dem *dem, int i, int j)
     return 0;
 }
 
-/* What depends on the partners: the dashpot, and the law of unequal radii. */
-static void pairs_complete(struct dem *dem)
+/* What depends on the partners: the dashpot, and the law of unequal radii. The mass that counts is the reduced one: a
+ * wall, and what is fixed, is infinitely heavy. */
+static int pairs_complete(struct dem *dem)
 {
-    dem->linear = contact_pair_of(&dem->law, 0);
+    int linear = contact_law_row(&dem->law)->linear;
+    struct contact_pair *laws = linear ? NULL : realloc(dem->pair_law, (dem->pair_capacity + 1) * sizeof *laws);
+    if (!linear && !laws)
+        return error_memory("pairs of grains");
+    if (linear) {
+        free(dem->pair_law);
+        dem->linear = contact_pair_of(&dem->law, 0);
+    }
+    dem->pair_law = laws;
     for (size_t p = 0; p < dem->pair_count; p++) {
         struct dem_pair *pair = &dem->pairs[p];
         const struct dem_grain *g = &dem->grains[pair->i];
@@ -61,9 +64,16 @@ static void pairs_complete(struct dem *dem)
         double other = h ? h->radius : (size_t)pair->j >= dem->count + SIDES ? dem->box.corner_radius : INFINITY;
         double mobility = (g->fixed ? 0 : 1 / g->mass) + (h && !h->fixed ? 1 / h->mass : 0);
         pair->damping = mobility > 0 ? 2 * dem->damping_ratio / sqrt(mobility) : 0;
-        if (dem->law.kind != LAW_LINEAR)
-            dem->pair_law[p] = contact_pair_of(&dem->law, 1 / (1 / g->radius + 1 / other));
+        if (!linear)
+            laws[p] = contact_pair_of(&dem->law, 1 / (1 / g->radius + 1 / other));
     }
+    return 0;
+}
+
+int dem_change_law(struct dem *dem, const struct contact_law *law)
+{
+    dem->law = *law;
+    return pairs_complete(dem);
 }
 
 /* For each grain the pairs in which it comes second, in order: counting sort. */
@@ -193,9 +203,8 @@ static int search(struct dem *dem)
             goto done;
     }
     dem->first[dem->count] = dem->pair_count;
-    if (pairs_with_walls(dem) || pairs_back(dem))
+    if (pairs_with_walls(dem) || pairs_back(dem) || pairs_complete(dem))
         goto done;
-    pairs_complete(dem);
     keep_history(dem, old, old_count, old_walls);
     for (size_t k = 0; k < dem->count; k++)
         dem->searched_at[k] = vec(dem->grains[k].x, dem->grains[k].y);

@@ -79,7 +79,7 @@ static int is_loaded(const struct loading *loading)
     return fabs(x - 1) < 0.1 && fabs(y - 1) < 0.1;
 }
 
-static int relax(struct loading *loading)
+int loading_relax(struct loading *loading)
 {
     const struct simulation *simulation = loading->simulation;
     struct patience patience = {simulation->tolerance, simulation->max_steps, loading->stiffness};
@@ -143,19 +143,23 @@ int loading_begin(struct loading *loading)
         return -1;
     if (dem->box.given && loading->pressure > 0 ? compress(loading) : settle(loading))
         return -1;
-    int done = relax(loading);
+    int done = loading_relax(loading);
     if (done >= 0 && dem->mu != loading->simulation->law.mu) {
         dem->mu = loading->simulation->law.mu;
-        done = relax(loading);
+        done = loading_relax(loading);
     }
     memcpy(loading->size, dem->box.size, sizeof loading->size);
     return done;
 }
 
-/* Time steps for `duration`; stress(loading, share of the duration) sets the servo before each. */
-static int ramp(struct loading *loading, double duration, void (*set)(struct loading *, double, double), double amount)
+static long steps_in(const struct loading *loading, double duration)
 {
-    long steps = (long)ceil(duration / loading->time_step) + 1;
+    return (long)ceil(duration / loading->time_step) + 1;
+}
+
+/* So many time steps; set(loading, amount, share of them that is done) moves the servo before each. */
+static int ramp(struct loading *loading, long steps, void (*set)(struct loading *, double, double), double amount)
+{
     /* A slight drag brings loose grains to rest. */
     struct stepping stepping = {.drag = 1e-3 / loading->time_step, .follow = 1};
     loading->fastest = 0;
@@ -178,24 +182,20 @@ static int strain_step(struct loading *loading, int freedom, double strain)
     struct servo *servo = &loading->servo;
     double amount = freedom == BOX_SHEAR ? strain : -strain * loading->size[freedom];
     double target = dem->box.size[freedom] + amount;
-    double duration = fabs(strain) / loading->strain_rate;
+    long steps = steps_in(loading, fabs(strain) / loading->strain_rate);
     servo->hold[freedom] = HOLD_RATE;
-    long steps = (long)ceil(duration / loading->time_step) + 1;
     servo->rate[freedom] = amount / ((double)steps * loading->time_step);
-    if (ramp(loading, duration, NULL, 0))
+    if (ramp(loading, steps, NULL, 0))
         return -1;
     if (loading->simulation->relax_at_stress) {
+        double *const stress[BOX_FREEDOMS] = {&servo->stress_x, &servo->stress_y, &servo->stress_xy};
         servo->hold[freedom] = HOLD_STRESS;
-        servo->stress_y =
-            freedom == BOX_HEIGHT ? dem->box.push[BOX_HEIGHT] / dem->box.size[BOX_WIDTH] : servo->stress_y;
-        servo->stress_x = freedom == BOX_WIDTH ? dem->box.push[BOX_WIDTH] / dem->box.size[BOX_HEIGHT] : servo->stress_x;
-        if (freedom == BOX_SHEAR)
-            servo->stress_xy = dem->box.push[BOX_SHEAR] / (dem->box.size[BOX_WIDTH] * dem->box.size[BOX_HEIGHT]);
+        *stress[freedom] = box_stress(dem, freedom);
     } else {
         servo->hold[freedom] = HOLD_SIZE;
         dem->box.size[freedom] = target; /* exactly, also where a stiff contact has shortened the time steps */
     }
-    return relax(loading);
+    return loading_relax(loading);
 }
 
 /* Long enough for the inertial number (a packing is about half as stiff as kappa p) and for sound to travel. */
@@ -222,11 +222,10 @@ static void set_vertical(struct loading *loading, double amount, double share)
 
 static int stress_step(struct loading *loading, double change, void (*set)(struct loading *, double, double))
 {
-    double duration = stress_duration(loading, change);
-    long steps = (long)ceil(duration / loading->time_step) + 1;
-    if (ramp(loading, duration, set, change * loading->pressure / (double)steps))
+    long steps = steps_in(loading, stress_duration(loading, change));
+    if (ramp(loading, steps, set, change * loading->pressure / (double)steps))
         return -1;
-    return relax(loading);
+    return loading_relax(loading);
 }
 
 static void set_swing(struct loading *loading, double cycles, double share)
@@ -238,11 +237,11 @@ static void set_swing(struct loading *loading, double cycles, double share)
 
 static int cyclic_step(struct loading *loading, double cycles)
 {
-    double duration = stress_duration(loading, 4 * loading->simulation->amplitude * cycles);
-    if (ramp(loading, duration, set_swing, cycles))
+    long steps = steps_in(loading, stress_duration(loading, 4 * loading->simulation->amplitude * cycles));
+    if (ramp(loading, steps, set_swing, cycles))
         return -1;
     loading->turns += cycles;
-    return relax(loading);
+    return loading_relax(loading);
 }
 
 int loading_step(struct loading *loading, double amount)

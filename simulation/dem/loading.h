@@ -3,7 +3,7 @@
 #define SIMULATION_LOADING_H
 
 #include "simulation/dem/dem_motion.h"
-#include "simulation/dem/simulate.h"
+#include "simulation/dem/simulation.h"
 
 struct loading {
     struct dem dem;
@@ -20,9 +20,13 @@ struct loading {
     long steps;
 };
 
+extern const char *const LOADING_TEST_NAMES[TESTS + 1]; /* as the scene has them; NULL at the end */
+
 /* Compress the loose packing until both walls carry the pressure, then relax: state 0. 1: static; 0: not; -1. */
 int loading_begin(struct loading *loading);
-/* One step of the test, then relax. 1, 0, -1 as above. */
+/* One step of the test by `amount` (struct loading_steps), then relax. 1, 0, -1 as above. */
 int loading_step(struct loading *loading, double amount);
+/* Relax under what the servo holds now, to the simulation's tolerance. 1, 0, -1 as above; counts its steps. */
+int loading_relax(struct loading *loading);
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "simulation/dem/loading.h"
 
 enum { MAX_GRAINS = 10000000, MAX_DISCS = 20000, MAX_STATES = 1000000 };
 
@@ -168,6 +169,7 @@ static int read_steps(const struct scene *scene, const cJSON *section, struct si
 static int read_pressure(const struct scene *scene, const cJSON *section, struct simulation *simulation)
 {
     double pressure = NAN;
+    int linear = contact_law_row(&simulation->law)->linear;
     int kappa = json_number(scene->json, section, "kappa", 1, 1e9, &simulation->kappa);
     int pascal = kappa < 0 ? -1 : json_number(scene->json, section, "pressure_Pa", DBL_MIN, 1e15, &pressure);
     if (pascal < 0)
@@ -176,13 +178,13 @@ static int read_pressure(const struct scene *scene, const cJSON *section, struct
         return json_error(scene->json, section,
                           "how strongly is the packing compressed? Write \"kappa\" or "
                           "\"pressure_Pa\" (one of them) in 'simulation'");
-    if (kappa && simulation->law.kind != LAW_LINEAR)
+    if (kappa && !linear)
         return json_error(scene->json, section, "kappa is kn / p and this law has no kn: write \"pressure_Pa\"");
     if (pascal && isnan(scene->grains.length))
         return scene_lacks(scene, "grains.length_m", "simulate needs it with pressure_Pa");
     if (pascal)
         simulation->pressure = pressure * scene->grains.length;
-    if (pascal && simulation->law.kind == LAW_LINEAR && simulation->law.kn < simulation->pressure)
+    if (pascal && linear && simulation->law.kn < simulation->pressure)
         return json_error(scene->json, section, "kappa = kn / p is %g: lower the pressure, discs would be crushed flat",
                           simulation->law.kn / simulation->pressure);
     return 0;
@@ -228,7 +230,7 @@ static int check_needs(const struct scene *scene, const cJSON *section)
 {
     if (!section)
         return scene_lacks(scene, "simulation", "simulate needs to know what to simulate");
-    if (!scene->contact_given || (scene->contact.kind == LAW_LINEAR && isnan(scene->contact.kn)))
+    if (!scene->contact_given || !contact_law_known(&scene->contact))
         return scene_lacks(scene, "contact.kn_N_per_m", "simulate needs it");
     if (isnan(scene->contact.mu))
         return scene_lacks(scene, "contact.mu", "simulate needs it");

@@ -3,7 +3,7 @@
 #define SIMULATION_SIMULATE_SCENE_H
 
 #include "pipeline/scene/scene.h"
-#include "simulation/dem/simulate.h"
+#include "simulation/dem/simulation.h"
 
 /* A simulation whose lists are owned. */
 struct simulation_plan {

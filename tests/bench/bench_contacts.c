@@ -71,7 +71,7 @@ static int make_truth(long grains, double kappa, uint64_t seed, struct packing *
     simulation.seed = seed;
     simulation.grading = grading;
     simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
     simulation.kappa = kappa;
     simulation.preparation_mu = 0.2;
     return simulate(&simulation, keep_copy, truth);
@@ -101,7 +101,7 @@ static struct scene scene_of(const struct packing *truth)
     scene.loads = *loads ? loads : NULL;
     scene.grains.density = scene.grains.length = NAN;
     scene.contact_given = 1;
-    scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
+    scene.contact = (struct contact_law){.row = &linear_law, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
     long w[4];
     const char *const sides[] = {"bottom", "right", "top", "left"};
     for (int k = 0; k < 4; k++)
@@ -298,7 +298,7 @@ static double downstream(const struct packing *truth, struct packing *found, enu
     struct force_options options = FORCE_OPTIONS_DEFAULT;
     struct forces forces = {0};
     double *force = calloc(truth->contacts.count + 1, sizeof *force), n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-    options.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
+    options.law = (struct contact_law){.row = &linear_law, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.53};
     options.tolerance = 1e-4;
     for (size_t w = 0; w < found->walls.count; w++) {
         long same = walls_find(&truth->walls, found->walls.name[w]);

@@ -54,7 +54,7 @@ static struct simulation packing_of(const struct grade *grading, size_t grades, 
     simulation.pressure = PRESSURE;
     simulation.preparation_mu = mu;
     simulation.tolerance = 1e-6;
-    simulation.law = (struct contact_law){.kind = LAW_HERTZ_PFC, .kt_over_kn = 1, .mu = mu};
+    simulation.law = (struct contact_law){.row = &hertz_pfc_law, .kt_over_kn = 1, .mu = mu};
     return simulation;
 }
 

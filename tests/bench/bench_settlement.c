@@ -37,7 +37,7 @@ static struct simulation packing_of(long grains, double kappa, int confined, uin
     simulation.seed = seed;
     simulation.grading = grading;
     simulation.grade_count = 3;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
     simulation.kappa = kappa;
     simulation.test = TEST_CYCLIC;
     simulation.amplitude = confined ? 0.9 : 0.3;

@@ -47,7 +47,7 @@ static int measure(struct row *row, double share, double inertial)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = grading;
     simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 5e7, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 5e7, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = row->kappa;
     simulation.preparation_mu = row->mu;
     simulation.restitution = row->restitution;
@@ -101,7 +101,7 @@ static int lattice(struct dem *dem, size_t columns, size_t rows)
     const double radius = 0.005, pitch = 1.98 * radius, rise = pitch * 0.8660254037844386;
     if (dem_alloc(dem, columns * rows))
         return -1;
-    dem->law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
+    dem->law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
     dem->mu = dem->mu_wall = 0.5;
     dem->damping_ratio = 0; /* LAMMPS lets its dashpots pull, we do not: without them the two must agree */
     dem->skin = 0.4 * radius;

@@ -53,7 +53,7 @@ int states_make(const struct states_test *test, struct states *states)
     memset(states, 0, sizeof *states);
     simulation.seed = test->seed;
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = test->kappa;
     simulation.tolerance = test->tolerance;
     if (test->patience > 0)

@@ -54,7 +54,7 @@ int packed_grains(uint64_t seed, long count, struct photo_grains *grains, int *w
     simulation.aspect = 1.33;
     simulation.kappa = 1000;
     simulation.tolerance = 1e-3;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.3};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1.09e7, .kt_over_kn = 1, .mu = 0.3};
     if (simulate(&simulation, keep_grains, &target) < 0)
         return -1;
     *width = target.width;

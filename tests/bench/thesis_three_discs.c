@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/laws/contact_spring.h"
 #include "pipeline/speak/error.h"
 #include "tests/bench/three_discs.h"
 
@@ -53,7 +54,8 @@ static int figure_2_15(struct thesis *thesis)
         {.title = "2.15 fn over that of cem", .x_label = "mobilised friction", .y_label = "fn / fn(cem)"},
         {.title = "2.15 mobilised friction of cem", .x_label = "mobilised friction", .y_label = "m(cem)"}};
     struct chart_line *lines[3];
-    struct contact_law law = {.kind = LAW_LINEAR, .kn = THREE_KN, .kt_over_kn = 1, .mu = 0.5};
+    struct contact_law law = {.row = &linear_law, .kn = THREE_KN, .kt_over_kn = 1, .mu = 0.5};
+    struct contact_pair pair = contact_pair_of(&law, 1);
     for (int k = 0; k < 3; k++)
         if (!(lines[k] = thesis_scatter(&charts[k], "", NOISES)))
             return -1;
@@ -61,7 +63,7 @@ static int figure_2_15(struct thesis *thesis)
     for (int k = 0; k < NOISES; k++) {
         struct three_rest rest = three_molecular(THREE_DAMPING, THREE_P * noise_number(k), NULL);
         double fn = 0, ft = 0, m = three_mobilised(0.5, rest.fn, rest.ft), along = -rest.down * sqrt(0.5);
-        contact_law_advance(&law, law.mu, along, along, &fn, &ft);
+        contact_pair_advance(&law, &pair, law.mu, along, along, &fn, &ft);
         thesis_point(lines[0], m, rest.ft / ft);
         thesis_point(lines[1], m, rest.fn / fn);
         thesis_point(lines[2], m, three_mobilised(0.5, fn, ft));

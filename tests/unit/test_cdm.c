@@ -18,7 +18,7 @@ static int draw(void **state)
     const struct grade grading[] = {{52, 8e-3}, {28, 12e-3}, {26, 14e-3}, {14, 20e-3}};
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 100;
     simulation.tolerance = 1e-9;
     check_done(simulate(&simulation, keep_state, &packing));

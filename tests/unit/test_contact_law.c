@@ -4,35 +4,40 @@
 #include <math.h>
 #include <string.h>
 
-#include "pipeline/laws/contact_law.h"
+#include "pipeline/laws/contact_spring.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/forces.h"
 
-static const struct contact_law law = {.kind = LAW_LINEAR, .kn = 1000, .kt_over_kn = 0.5, .mu = 0.4};
+static const struct contact_law law = {.row = &linear_law, .kn = 1000, .kt_over_kn = 0.5, .mu = 0.4};
 
 static void overlap_gives_force(void **state)
 {
     (void)state;
-    check_near(contact_law_normal(&law, 0.002), 2, 1e-15);
-    check_near(contact_law_normal(&law, 0), 0, 0);
-    check_near(contact_law_normal(&law, -0.002), 0, 0); /* a gap pulls at nothing */
-    assert_true(isnan(contact_law_normal(&(struct contact_law){.kn = NAN}, 1)));
+    const struct contact_law unknown = CONTACT_LAW_DEFAULT;
+    struct contact_pair pair = contact_pair_of(&law, 1), none = contact_pair_of(&unknown, 1);
+    check_near(contact_pair_force(&law, &pair, 0.002), 2, 1e-15);
+    check_near(contact_pair_force(&law, &pair, 0), 0, 0);
+    check_near(contact_pair_force(&law, &pair, -0.002), 0, 0); /* a gap pulls at nothing */
+    assert_true(isnan(contact_pair_force(&unknown, &none, 1)));
+    assert_true(contact_law_known(&law));
+    assert_false(contact_law_known(&unknown));
 }
 
 static void increments(void **state)
 {
     (void)state;
     double fn = 1, ft = 0.1;
+    struct contact_pair pair = contact_pair_of(&law, 1);
     /* Approach by 1 mm (un < 0), slide by 0.2 mm: dfn = 1 N, dft = -0.1 N. */
-    assert_int_equal(contact_law_advance(&law, 0.4, -0.001, 0.0002, &fn, &ft), STATUS_STICK);
+    assert_int_equal(contact_pair_advance(&law, &pair, 0.4, -0.001, 0.0002, &fn, &ft), STATUS_STICK);
     check_near(fn, 2, 1e-15);
     check_near(ft, 0, 1e-15);
     /* Slide by 2 mm: dft = -1 N, beyond mu fn = 0.8 N. */
-    assert_int_equal(contact_law_advance(&law, 0.4, 0, 0.002, &fn, &ft), STATUS_SLIP);
+    assert_int_equal(contact_pair_advance(&law, &pair, 0.4, 0, 0.002, &fn, &ft), STATUS_SLIP);
     check_near(fn, 2, 1e-15);
     check_near(ft, -0.8, 1e-15);
     /* Part by 3 mm: open, no force left. */
-    assert_int_equal(contact_law_advance(&law, 0.4, 0.003, 0, &fn, &ft), STATUS_OPEN);
+    assert_int_equal(contact_pair_advance(&law, &pair, 0.4, 0.003, 0, &fn, &ft), STATUS_OPEN);
     check_near(fn, 0, 0);
     check_near(ft, 0, 0);
 }

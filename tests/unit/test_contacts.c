@@ -533,7 +533,7 @@ static void test_leaning_grain_is_a_rattler(void **state)
     (void)state;
     struct setup s = setup_new(3);
     s.scene.contact_given = 1;
-    s.scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.53};
+    s.scene.contact = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 1, .mu = 0.53};
     put(&s, 0, 300, 139.8, 40);
     put(&s, 1, 300, 219.4, 40);
     put(&s, 2, 300 + 79.8 * sqrt(0.75), 179.6, 40);

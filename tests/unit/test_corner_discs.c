@@ -202,7 +202,7 @@ static struct simulation one_grain(struct placed_disc *grain)
     simulation.disc_count = 1;
     simulation.box[0] = 0.3, simulation.box[1] = 0.2;
     simulation.corner_radius = 0.05;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
     return simulation;
 }
 
@@ -269,7 +269,7 @@ static void pushes_are_slopes_of_the_energy(void **state)
     const double corner[4][2] = {{0, 0}, {0.1, 0}, {0.12, 0.1}, {0.02, 0.1}}, degrees[4] = {40, 130, 215, -50};
     struct dem dem;
     check_done(dem_alloc(&dem, 4));
-    dem.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e6, .kt_over_kn = 1};
+    dem.law = (struct contact_law){.row = &linear_law, .kn = 1e6, .kt_over_kn = 1};
     dem.skin = 0.003;
     dem.box = (struct dem_box){.given = 1, .size = {0.1, 0.1, 0.2}, .corner_radius = 0.01};
     for (int k = 0; k < 4; k++) {
@@ -316,7 +316,7 @@ static void bad_corners_are_refused(void **state)
     static const struct grade grading[] = {{60, 8e-3}};
     simulation = (struct simulation)SIMULATION_DEFAULT;
     simulation.grading = grading, simulation.grade_count = 1;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 200;
     simulation.corner_radius = 0.02; /* of discs that fill 0.06 by 0.06 */
     assert_int_equal(simulate(&simulation, not_called, NULL), -1);

@@ -13,7 +13,7 @@ static const struct servo HELD = {0};
 static void discs(struct dem *dem, size_t count, double radius, double mu)
 {
     check_done(dem_alloc(dem, count));
-    dem->law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e6, .kt_over_kn = 0.8, .mu = mu};
+    dem->law = (struct contact_law){.row = &linear_law, .kn = 1e6, .kt_over_kn = 0.8, .mu = mu};
     dem->mu = mu;
     dem->skin = 0.3 * radius;
     for (size_t k = 0; k < count; k++) {
@@ -210,6 +210,37 @@ static void friction_survives_a_search(void **state)
     dem_free(&dem);
 }
 
+/* A row of discs that overlap by x, held: linear, then Hertz, then linear again, with copies in between. */
+static void the_law_changes_while_a_packing_runs(void **state)
+{
+    (void)state;
+    struct dem dem, copy;
+    const struct contact_law linear = {.row = &linear_law, .kn = 1e6, .kt_over_kn = 0.8};
+    struct contact_law hertz = {.row = &hertz_mindlin_law, .kn = NAN, .mu = 0.4};
+    contact_law_set_grains(&hertz, 1e9, 0.3);
+    double x = 1e-5, modulus = 1e9 / (2 * (1 - 0.09)), by_hertz = 4.0 / 3 * modulus * sqrt(0.005) * pow(x, 1.5);
+    discs(&dem, 12, 0.01, 0.4);
+    for (size_t k = 0; k < dem.count; k++)
+        dem.grains[k].x = (double)k * (0.02 - x), dem.grains[k].fixed = 1;
+    for (int turn = 0; turn < 3; turn++) {
+        const struct contact_law *law = turn == 1 ? &hertz : &linear;
+        double force = turn == 1 ? by_hertz : 1e6 * x;
+        check_done(turn ? dem_change_law(&dem, law) : dem_forces(&dem, 0));
+        assert_true(isfinite(dem_energy(&dem).stored)); /* at once, not from the next forces on */
+        check_done(dem_copy(&dem, &copy));
+        check_done(dem_forces(&dem, 0));
+        check_done(dem_forces(&copy, 0));
+        assert_int_equal(dem.pair_count, 11);
+        for (size_t p = 0; p < 11; p++) {
+            check_near(dem.pairs[p].fn, force, 1e-9 * force);
+            check_near(copy.pairs[p].fn, force, 1e-9 * force);
+        }
+        check_near(dem_energy(&dem).stored, 11 * force * x * (turn == 1 ? 0.4 : 0.5), 1e-9 * 11 * force * x);
+        dem_free(&copy);
+    }
+    dem_free(&dem);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -219,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_wall_throws_a_disc_back),
         cmocka_unit_test(no_pair_is_overlooked),
         cmocka_unit_test(friction_survives_a_search),
+        cmocka_unit_test(the_law_changes_while_a_packing_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -196,7 +196,7 @@ static void parameters_at_their_ends(void **state)
     struct simulation simulation = SIMULATION_DEFAULT;
     const struct grade grading[] = {{26, 8e-3}, {14, 12e-3}, {13, 14e-3}, {7, 20e-3}};
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 500;
     simulation.tolerance = 1e-9;
     check_done(simulate(&simulation, keep_state, &packing));

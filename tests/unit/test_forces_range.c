@@ -113,7 +113,7 @@ static int draw(void **state)
     struct simulation simulation = SIMULATION_DEFAULT;
     const struct grade grading[] = {{13, 8e-3}, {7, 12e-3}, {6, 14e-3}, {4, 20e-3}};
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 100;
     simulation.tolerance = 1e-9;
     *state = &packing;

@@ -17,7 +17,7 @@ static int simulate_once(void **state)
     struct simulation simulation = SIMULATION_DEFAULT;
     const struct grade grading[] = {{26, 8e-3}, {14, 12e-3}, {13, 14e-3}};
     simulation.grading = grading, simulation.grade_count = 3;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 300;
     return simulate(&simulation, keep_state, NULL);
 }

@@ -238,7 +238,7 @@ static void a_packing_at_rest(void **state)
     struct force_options options = usual();
     struct forces forces;
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 100;
     simulation.tolerance = 1e-9;
     check_done(simulate(&simulation, keep_state, &packing));

@@ -14,7 +14,7 @@ static void draw_packing(const struct grade *grading, size_t grades, double kapp
 {
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = grading, simulation.grade_count = grades;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = kappa;
     simulation.tolerance = tolerance;
     check_done(simulate(&simulation, keep_state, packing));
@@ -188,7 +188,7 @@ static void nonlinear_law(void **state)
     struct simulation simulation = SIMULATION_DEFAULT;
     struct force_options options = usual();
     const struct grade grading[] = {{30, 8e-3}, {16, 12e-3}, {14, 14e-3}};
-    struct contact_law law = {.kind = LAW_HERTZ_MINDLIN, .kn = NAN, .mu = 0.5, .young = 1e9, .poisson = 0.3};
+    struct contact_law law = {.row = &hertz_mindlin_law, .kn = NAN, .mu = 0.5, .young = 1e9, .poisson = 0.3};
     law.kt_over_kn = 2 * (1 - law.poisson) / (2 - law.poisson);
     simulation.grading = grading, simulation.grade_count = 3;
     simulation.law = options.law = law;

@@ -133,7 +133,7 @@ static void a_packing_in_simple_shear(void **state)
     const struct grade grading[] = {{52, 8e-3}, {28, 12e-3}, {26, 14e-3}, {14, 20e-3}};
     const struct loading_steps steps[] = {{1, tan(LEAN)}};
     simulation.grading = grading, simulation.grade_count = 4;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = 1, .mu = 0.5};
     simulation.kappa = 300;
     simulation.tolerance = 1e-9;
     simulation.test = TEST_SIMPLE_SHEAR;

@@ -22,7 +22,7 @@ static int stays(double alpha, double mu, double p2)
     struct kept_states kept = {0};
     simulation.discs = discs;
     simulation.disc_count = 3;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e8, .kt_over_kn = 0.8, .mu = mu};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e8, .kt_over_kn = 0.8, .mu = mu};
     simulation.max_steps = 20000;
     int status = simulate(&simulation, keep_state, &kept);
     assert_true(status >= 0);
@@ -65,7 +65,7 @@ static void sheared_packing(struct kept_states *kept, double mu)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 2;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 1, .mu = mu};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 1, .mu = mu};
     simulation.kappa = 200;
     simulation.test = TEST_BIAXIAL_VERTICAL;
     simulation.steps = STEPS;

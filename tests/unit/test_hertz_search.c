@@ -121,7 +121,7 @@ static struct simulation sixty(void)
     simulation.grade_count = 2;
     simulation.pressure = 6000;
     simulation.preparation_mu = 0.1;
-    simulation.law = (struct contact_law){.kind = LAW_HERTZ_PFC, .kt_over_kn = 1, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &hertz_pfc_law, .kt_over_kn = 1, .mu = 0.5};
     return simulation;
 }
 

@@ -19,7 +19,7 @@ static struct simulation ballast(void)
     simulation.pressure = 1.5e5 * 0.03;
     simulation.preparation_mu = 0.2;
     simulation.tolerance = 1e-7;
-    simulation.law = (struct contact_law){.kind = LAW_POHRT_POPOV,
+    simulation.law = (struct contact_law){.row = &pohrt_popov_law,
                                           .kt_over_kn = 1.5 / 1.75,
                                           .mu = 0.7,
                                           .young = 6e10,
@@ -32,13 +32,13 @@ static struct simulation ballast(void)
 static void rough_contacts_are_softer_and_plastic_ones_stiffer_again(void **state)
 {
     (void)state;
-    static const enum contact_law_kind kinds[] = {LAW_HERTZ_MINDLIN, LAW_POHRT_POPOV, LAW_POHRT_POPOV_PLASTIC};
+    static const struct law *const rows[] = {&hertz_mindlin_law, &pohrt_popov_law, &pohrt_popov_plastic_law};
     struct simulation simulation = ballast();
     struct law_probe probe = {.first = 1e-6, .last = 3e-4, .per_decade = 1, .back = 2};
     struct law_curve curves[3];
     for (int k = 0; k < 3; k++) {
         struct contact_law law = simulation.law;
-        law.kind = kinds[k];
+        law.row = rows[k];
         check_done(law_compare(&simulation, &law, &probe, &curves[k]));
         assert_int_equal(curves[k].count, curves[k].loading + 2);
         const struct law_step *first = &curves[k].steps[0], *last = &curves[k].steps[curves[k].loading - 1];

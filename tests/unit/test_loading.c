@@ -261,11 +261,11 @@ static void cycles_swing_the_top(void **state)
 static void every_law_comes_to_rest(void **state)
 {
     (void)state;
-    static const enum contact_law_kind kinds[] = {LAW_HERTZ_MINDLIN, LAW_HERTZ_PFC, LAW_POHRT_POPOV};
+    static const struct law *const rows[] = {&hertz_mindlin_law, &hertz_pfc_law, &pohrt_popov_law};
     for (size_t k = 0; k < 3; k++) {
         struct records records = {0};
         struct simulation simulation = sixty_discs(TEST_BIAXIAL_VERTICAL, (struct loading_steps[]){{2, 1e-3}});
-        simulation.law = (struct contact_law){.kind = kinds[k],
+        simulation.law = (struct contact_law){.row = rows[k],
                                               .kn = NAN,
                                               .kt_over_kn = 1.4 / 1.7,
                                               .mu = 0.5,

@@ -177,7 +177,7 @@ static void test_overlaps_from_loads(void **state)
     assert_int_equal(fclose(file), 0);
     char path[] = LOADS;
     struct scene scene = {.scale = PX, .loads = path, .contact_given = 1};
-    scene.contact = (struct contact_law){.kind = LAW_LINEAR, .kn = KN};
+    scene.contact = (struct contact_law){.row = &linear_law, .kn = KN};
     scene.grains.length = NAN;
     scene.frame.given = 1;
     scene.frame.corners_px[CORNER_TOP_LEFT] = vec(0, 0);

@@ -17,7 +17,7 @@ static void make_series(struct kept_states *kept)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 2;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = KN, .kt_over_kn = RATIO, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = KN, .kt_over_kn = RATIO, .mu = 0.5};
     simulation.preparation_mu = 0.1; /* dense: little slides in small steps */
     simulation.kappa = 300;
     simulation.test = TEST_BIAXIAL_VERTICAL;
@@ -28,7 +28,7 @@ static void make_series(struct kept_states *kept)
 
 static struct contact_law law_of(double ratio)
 {
-    return (struct contact_law){.kind = LAW_LINEAR, .kn = NAN, .kt_over_kn = ratio, .mu = 0.5};
+    return (struct contact_law){.row = &linear_law, .kn = NAN, .kt_over_kn = ratio, .mu = 0.5};
 }
 
 static void one_number(void **state)

@@ -26,7 +26,7 @@ static struct simulation small(void)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 2;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
     simulation.kappa = 100;
     simulation.test = TEST_CYCLIC;
     simulation.amplitude = 0.5;

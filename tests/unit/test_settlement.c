@@ -37,10 +37,28 @@ static void trends_find_their_numbers(void **state)
     check_near(trend_ahead(&trend, 200), -4e-4 * log(282.0 / 82), 1e-13);
     check_at_most(trend.rms, 1e-14);
 
+    /* What a line leaves over: 3 mm, 0, 4 mm, 0 after its beginning, hence sqrt(25 / 4) mm. */
+    const double when[] = {1, 2, 3, 4, 5}, way[] = {0, 0.003, 0, 0.004, 0};
+    check_done(trend_fit(TREND_LINEAR, when, way, 4, &trend));
+    check_near(trend.rms, 1e-3 * sqrt(25.0 / 4), 1e-15);
+    check_near(trend.low, 0, 0);
+    check_near(trend.high, 0.004, 1e-15);
+
     assert_int_equal(trend_fit(TREND_LOGARITHMIC, t, u, 1, &trend), -1);
     t[0] = 0;
     assert_int_equal(trend_fit(TREND_LINEAR, t, u, 5, &trend), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
+}
+
+/* |u - v| / |u| of vectors by hand: (3, 4) against (0, 0) is as far off as it is long, against (3, 3) by 1 of 5; with
+ * the origin (3, 0) by 1 of 4. A number that is missing is left out. */
+static void errors_are_norms(void **state)
+{
+    (void)state;
+    const double u[] = {3, 4, NAN}, nothing[] = {0, 0, 0}, near[] = {3, 3, 1}, origin[] = {3, 0, 0};
+    check_near(relative_error(u, nothing, NULL, 3), 1, 1e-15);
+    check_near(relative_error(u, near, NULL, 3), 0.2, 1e-15);
+    check_near(relative_error(u, near, origin, 3), 0.25, 1e-15);
 }
 
 /* The bound holds for uniform errors, and says k as its formula does. */
@@ -100,6 +118,20 @@ static void tracked_grains_are_split(void **state)
     assert_non_null(strstr(error_message(), "1 photo,"));
 }
 
+/* One grain learned linearly over cycles 0 to 4 and held out for one: it went 1 mm per cycle, in the last one 3 mm more
+ * than that: 3 of the 7 mm that it went. */
+static void what_was_held_out_is_judged_by_norms(void **state)
+{
+    (void)state;
+    double at[] = {0, 0, 0, 1e-3, 0, 2e-3, 0, 3e-3, 0, 7e-3};
+    struct settle_series series = {1, 5, at};
+    struct settle_wanted wanted = {.trend = TREND_LINEAR, .per_cycle = 1, .first = 1, .ahead = 1, .error = NAN};
+    struct settle_estimate estimate;
+    check_done(settle_estimate(&series, &wanted, &estimate));
+    check_near(estimate.held_out, 3.0 / 7, 1e-12);
+    settle_estimate_free(&estimate);
+}
+
 static const struct grade GRADING[] = {{30, 8e-3}, {20, 12e-3}};
 static const struct loading_steps NONE[] = {{1, 1}};
 
@@ -108,7 +140,7 @@ static struct simulation fifty(double kappa)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 2;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 0.8, .mu = 0.5};
     simulation.kappa = kappa;
     simulation.test = TEST_CYCLIC;
     simulation.amplitude = 0.3;
@@ -124,12 +156,12 @@ static struct simulation fifty(double kappa)
 static void overlapping_grains_are_parted(void **state)
 {
     (void)state;
-    static const enum contact_law_kind kinds[] = {LAW_LINEAR, LAW_HERTZ_MINDLIN, LAW_POHRT_POPOV_PLASTIC};
+    static const struct law *const rows[] = {&linear_law, &hertz_mindlin_law, &pohrt_popov_plastic_law};
     for (int l = 0; l < 3; l++) {
         struct simulation simulation = fifty(5000);
         if (l) {
             simulation.kappa = NAN, simulation.pressure = 2000;
-            simulation.law = (struct contact_law){kinds[l], NAN, 1.5 / 1.75, 0.5, 0, 6e9, 0.25, 2.13, 1e-6};
+            simulation.law = (struct contact_law){rows[l], NAN, 1.5 / 1.75, 0.5, 0, 6e9, 0.25, 2.13, 1e-6};
         }
         struct loading loading = {.simulation = &simulation};
         struct unpress result;
@@ -245,8 +277,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trends_find_their_numbers),
+        cmocka_unit_test(errors_are_norms),
         cmocka_unit_test(chernoff_bounds_the_mean),
         cmocka_unit_test(tracked_grains_are_split),
+        cmocka_unit_test(what_was_held_out_is_judged_by_norms),
         cmocka_unit_test(overlapping_grains_are_parted),
         cmocka_unit_test(contacts_are_carried_along),
         cmocka_unit_test(the_loop_settles_like_every_cycle),

@@ -49,7 +49,7 @@ static struct simulation sixty_discs(void)
     struct simulation simulation = SIMULATION_DEFAULT;
     simulation.grading = GRADING;
     simulation.grade_count = 3;
-    simulation.law = (struct contact_law){.kind = LAW_LINEAR, .kn = 1e7, .kt_over_kn = 0.9, .mu = 0.5};
+    simulation.law = (struct contact_law){.row = &linear_law, .kn = 1e7, .kt_over_kn = 0.9, .mu = 0.5};
     simulation.kappa = 200;
     simulation.aspect = 1.3;
     simulation.test = TEST_BIAXIAL_VERTICAL;

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
+#include "simulation/dem/simulate.h"
 #include "simulation/dem/simulate_scene.h"
 
 static const char HEAD[] = "{\"schema\": \"film.scene/1\", \"name\": \"test\",\n"
