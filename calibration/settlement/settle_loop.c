@@ -148,9 +148,7 @@ static int part(struct run *run, double before)
 
 static int relax(struct run *run)
 {
-    struct loading *loading = &run->loading;
-    struct patience patience = {run->simulation.tolerance, run->simulation.max_steps, loading->stiffness};
-    int rested = dem_relax(&loading->dem, &loading->servo, &patience, &loading->steps);
+    int rested = loading_relax(&run->loading);
     run->result->unrested += rested == 0;
     return rested < 0 ? -1 : 0;
 }
