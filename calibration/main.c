@@ -1,18 +1,10 @@
-#include <errno.h>
-#include <stdio.h>
-#include <string.h>
-
+/* calibration: one program of many commands; each is a row here and a file in calibration/commands. */
 #include "calibration/commands/calibration_commands.h"
+#include "pipeline/command/cli.h"
 #include "pipeline/draw/canvas.h"
-#include "pipeline/speak/version.h"
-#include "pipeline/speak/error.h"
 #include "pipeline/files/read_record.h"
 
-static const struct command {
-    const char *name, *full_name;
-    int (*run)(int argc, char **argv);
-    const char *what;
-} commands[] = {
+static const struct subcommand commands[] = {
     {"lens", "calibration lens", command_lens, "distortion of the lens from photos of a moved plate"},
     {"scale", "calibration scale", command_scale, "metres per pixel from known lengths"},
     {"stiffness", "calibration stiffness", command_stiffness, "normal stiffness from a test on two rods"},
@@ -21,37 +13,13 @@ static const struct command {
     {"hertz", "calibration hertz", command_hertz, "grain moduli from packing moduli"},
     {"laws", "calibration laws", command_laws, "contact laws compared on a small-strain probe"},
     {"settlement", "calibration settlement", command_settlement, "long-term settlement under cycles"},
-};
-
-static void print_help(FILE *out)
-{
-    fputs("Usage: calibration COMMAND [OPTION...]\n"
-          "What a scene must know about the grains and the camera, from experiments.\n\n",
-          out);
-    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
-        fprintf(out, "  %-10s %s\n", commands[k].name, commands[k].what);
-    fputs("\n'calibration COMMAND --help' teaches one command.\n", out);
-}
+    {0}};
 
 int main(int argc, char **argv)
 {
     read_record_begin();
-    if (argc > 1 && !strcmp(argv[1], "--help")) {
-        print_help(stdout);
-        return EXIT_DONE;
-    }
-    if (argc > 1 && !strcmp(argv[1], "--version")) {
-        printf("calibration (film) %s\n", film_version);
-        return EXIT_DONE;
-    }
-    for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
-        if (!strcmp(argv[1], commands[k].name)) {
-            program_invocation_short_name = (char *)commands[k].full_name;
-            int status = commands[k].run(argc - 1, argv + 1);
-            canvas_forget_fonts();
-            return status;
-        }
-    fprintf(stderr, "calibration: %s 'calibration --help' lists the commands\n",
-            argc > 1 ? "there is no such command:" : "which command?");
-    return EXIT_USAGE;
+    int status = cli_command("calibration", "What a scene must know about the grains and the camera, from experiments.",
+                             commands, argc, argv);
+    canvas_forget_fonts();
+    return status;
 }

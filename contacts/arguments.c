@@ -1,116 +1,91 @@
+/* Three voices in this order: the command line, the scene, and for automatic corrections what the previous state found,
+ * because radii and their error are constant through a series: a correction that changed from photo to photo would look
+ * like motion. */
 #include "contacts/arguments.h"
 
-#include <errno.h>
 #include <string.h>
 
 #include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
 
-enum { PREVIOUS = 256, RADII, RADIUS_SCALE, RADIUS_OFFSET, TOLERANCE, REPAIR, PICTURE };
+/* An ending that cannot be drawn is told at once, not after the contacts were found. */
+static int parse_picture(const char *text, void *member)
+{
+    *(const char **)member = text;
+    return canvas_check_path(text);
+}
 
-static const struct argp_option option_list[] = {
-    {"previous", PREVIOUS, "FILE", 0, "Contacts of the previous photo: relative motions since then, and what is new",
-     0},
-    {"radii", RADII, "FILE", 0,
-     "Grains of another photo, same rows (findgrains --refine): radii and rims are averaged over all photos that are "
-     "given; repeat the option for each",
-     0},
-    {"radius-scale", RADIUS_SCALE, "X|auto", 0, "Multiply every radius by X (1); auto: found from the overlaps", 0},
-    {"radius-offset", RADIUS_OFFSET, "PX|auto", 0, "Add PX pixels to every radius (0); auto: found from the overlaps",
-     0},
-    {"picture", PICTURE, "FILE", 0,
-     "Draw the histogram of the overlaps near zero with the fitted density (.svg, .pdf, .png): whether the radii are "
-     "right",
-     0},
-    {"repair", REPAIR, NULL, 0,
-     "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)", 0},
-    {"tolerance", TOLERANCE, "PX", 0,
-     "Take as contact what overlaps more than -PX pixels (default: what more probably touches than not, at rest or "
-     "squeezed)",
-     0},
+#define AT(field) .at = offsetof(struct arguments, field)
+static const struct option_row rows[] = {
+    {"previous", NULL, OPTION_TEXT, AT(previous), "FILE",
+     .help = "Contacts of the previous photo: relative motions since then, and what is new"},
+    {"radii", NULL, OPTION_LIST, AT(radii), "FILE",
+     .help = "Grains of another photo, same rows (findgrains --refine): radii and rims are averaged over all photos "
+             "that are given; repeat the option for each"},
+    {"radius-scale", "radius_scale", OPTION_NUMBER, AT(options.radius_scale), "X|auto", .min = 0.5, .max = 2,
+     .automatic = offsetof(struct arguments, options.radius_scale_auto),
+     .help = "Multiply every radius by X; auto: found from the overlaps"},
+    {"radius-offset", "radius_offset_px", OPTION_NUMBER, AT(options.radius_offset_px), "PX|auto", .min = -1000,
+     .max = 1000, .automatic = offsetof(struct arguments, options.radius_offset_auto),
+     .help = "Add PX pixels to every radius; auto: found from the overlaps"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .parse = parse_picture,
+     .help = "Draw the histogram of the overlaps near zero with the fitted density (.svg, .pdf, .png): whether the "
+             "radii are right"},
+    {"repair", "repair", OPTION_SWITCH, AT(options.repair),
+     .help = "Where a grain with a weight could not stand, take in its most probable candidates (flag promoted)"},
+    {"tolerance", "tolerance_px", OPTION_NUMBER, AT(options.tolerance_px), "PX", .min = -1000, .max = 1000,
+     .help = "Take as contact what overlaps more than -PX pixels; default: what more probably touches than not, at "
+             "rest or squeezed"},
+    {NULL, "candidate_sigmas", OPTION_NUMBER, AT(options.candidate_sigmas), .max = 100},
+    {NULL, "frame_error_px", OPTION_NUMBER, AT(options.frame_error_px), .max = 1000},
     {0}};
 
-static error_t parse_option(int key, char *arg, struct argp_state *state)
-{
-    struct arguments *arguments = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &arguments->cli;
-        return 0;
-    case PREVIOUS:
-        arguments->previous = arg;
-        return 0;
-    case RADII:
-        return cli_inputs_add(&arguments->radii, arg) ? ENOMEM : 0;
-    case RADIUS_SCALE:
-        if (strcmp(arg, "auto"))
-            arguments->given.radius_scale = cli_number(state, "radius-scale", arg, 0.5, 2);
-        else
-            arguments->given.radius_scale_auto = 1;
-        return 0;
-    case RADIUS_OFFSET:
-        if (strcmp(arg, "auto"))
-            arguments->given.radius_offset_px = cli_number(state, "radius-offset", arg, -1000, 1000);
-        else
-            arguments->given.radius_offset_auto = 1;
-        return 0;
-    case PICTURE:
-        if (canvas_check_path(arg))
-            argp_error(state, "--picture %s", error_message());
-        arguments->picture = arg;
-        return 0;
-    case REPAIR:
-        arguments->given.repair = 1;
-        return 0;
-    case TOLERANCE:
-        arguments->given.tolerance_px = cli_number(state, "tolerance", arg, -1000, 1000);
-        return 0;
-    case ARGP_KEY_ARG:
-        if (arguments->input)
-            argp_error(state, "one file of grains or tracks at a time, not also %s", arg);
-        arguments->input = arg;
-        return 0;
-    case ARGP_KEY_END:
-        if (!arguments->input)
-            argp_error(state, "which file? Give N.tracks.hdf or N.grains.hdf");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-int arguments_options(const struct arguments *arguments, const struct scene *scene, const struct packing *previous,
-                      struct contact_options *options)
-{
-    const struct contact_options *given = &arguments->given;
-    if (contact_options_read(scene, options))
-        return -1;
-    if (isfinite(given->radius_scale) || given->radius_scale_auto) {
-        options->radius_scale_auto = given->radius_scale_auto;
-        options->radius_scale = given->radius_scale_auto ? 1 : given->radius_scale;
-    }
-    if (isfinite(given->radius_offset_px) || given->radius_offset_auto) {
-        options->radius_offset_auto = given->radius_offset_auto;
-        options->radius_offset_px = given->radius_offset_auto ? 0 : given->radius_offset_px;
-    }
-    options->repair |= given->repair;
-    options->tolerance_px = isfinite(given->tolerance_px) ? given->tolerance_px : options->tolerance_px;
-    return contact_options_follow(previous, options);
-}
-
-static const struct argp_child children[] = {CLI_CHILD, {0}};
-const struct argp contacts_argp = {
-    option_list,
-    parse_option,
-    "N.tracks.hdf|N.grains.hdf",
+static const char help[] =
     "Find which grains of a photo touch, in SI units.\v"
     "Reads the grains of one photo (tracker, or findgrains for a single photo), turns pixels into metres with the "
-    "scene's scale_m_per_px, finds the walls from its frame and writes grains, walls and contacts, each contact "
-    "with its overlap, the standard error and the probability that it truly touches. Pairs that may touch are kept "
-    "and flagged `candidate`; the method map of forces weighs them.\n\n"
+    "scene's scale_m_per_px, finds the walls from its frame and writes grains, walls and contacts, each contact with "
+    "its overlap, the standard error and the probability that it truly touches. Pairs that may touch are kept and "
+    "flagged `candidate`; the method map of forces weighs them.\n\n"
     "Keys of the scene's section \"contacts\": radius_scale, radius_offset_px, tolerance_px, candidate_sigmas (4), "
     "frame_error_px (0.3: how well the frame's corners are known; 0 takes them as exact).\n\n"
-    "Example:\n  contacts --scene scene.json 0001.tracks.hdf --previous 0000.contacts.hdf -o 0001.contacts.hdf",
-    children,
-    NULL,
-    NULL};
+    "Example:\n  contacts --scene scene.json 0001.tracks.hdf --previous 0000.contacts.hdf -o 0001.contacts.hdf";
+
+/* From the attribute `parameters` of the previous state; one without them (other programs) leaves "auto" standing. */
+static int follow(const struct packing *previous, struct contact_options *options)
+{
+    const char *text = previous->info.parameters;
+    struct json *json = text ? json_parse(text, strlen(text), "parameters of the previous state") : NULL;
+    int status = 0;
+    if (!json)
+        return text ? -1 : 0;
+    if (options->radius_scale_auto &&
+        (status = json_number(json, json_root(json), "radius_scale", 0.5, 2, &options->radius_scale)) > 0)
+        options->radius_scale_auto = 0;
+    if (status >= 0 && options->radius_offset_auto &&
+        (status = json_number(json, json_root(json), "radius_offset_px", -1000, 1000, &options->radius_offset_px)) > 0)
+        options->radius_offset_auto = 0;
+    json_free(json);
+    return status < 0 ? -1 : 0;
+}
+
+int arguments_complete(struct arguments *arguments, const struct scene *scene, const struct packing *previous)
+{
+    if (options_read(rows, scene, "contacts", arguments->cli.given, arguments))
+        return -1;
+    return follow(previous, &arguments->options);
+}
+
+void arguments_parse(int argc, char **argv, struct arguments *arguments)
+{
+    static struct program program = {"N.tracks.hdf|N.grains.hdf",
+                                     help,
+                                     rows,
+                                     NULL,
+                                     "contacts",
+                                     1,
+                                     1,
+                                     "give one file of grains or tracks: N.tracks.hdf or N.grains.hdf",
+                                     NULL};
+    program.options = arguments;
+    cli_parse(&program, argc, argv);
+}

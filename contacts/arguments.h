@@ -1,4 +1,4 @@
-/* The command line of contacts. */
+/* What a user may say to contacts, on the command line and in the scene's section "contacts". */
 #ifndef CONTACTS_ARGUMENTS_H
 #define CONTACTS_ARGUMENTS_H
 
@@ -7,19 +7,19 @@
 
 struct arguments {
     struct cli cli;
-    const char *input, *previous, *picture;
-    struct cli_inputs radii;      /* --radii */
-    struct contact_options given; /* NaN: not on the command line */
+    const char *previous, *picture; /* paths; NULL: none */
+    struct cli_inputs radii;        /* --radii; to be freed */
+    struct contact_options options;
 };
-#define ARGUMENTS_NONE                                                                                                 \
+#define ARGUMENTS_DEFAULT                                                                                              \
     {                                                                                                                  \
-        .cli = CLI_DEFAULT, .given = {.radius_scale = NAN, .radius_offset_px = NAN, .tolerance_px = NAN }              \
+        .cli = CLI_DEFAULT, .options = CONTACT_OPTIONS_DEFAULT                                                         \
     }
 
-extern const struct argp contacts_argp; /* its input is a struct arguments * */
-
-/* The scene's options, then those of the command line, then what the previous state found. */
-int arguments_options(const struct arguments *arguments, const struct scene *scene, const struct packing *previous,
-                      struct contact_options *options);
+/* The command line, with one input; a wrong one ends the program. */
+void arguments_parse(int argc, char **argv, struct arguments *arguments);
+/* What the scene says where the command line is silent; then automatic corrections of the radii become those that the
+ * previous state found (an empty one: none). -1: an error of the scene (EXIT_INPUT). */
+int arguments_complete(struct arguments *arguments, const struct scene *scene, const struct packing *previous);
 
 #endif

@@ -113,7 +113,7 @@ int contacts_write(const struct arguments *arguments, const struct scene *scene,
         free(parameters);
         return inputs ? -1 : error_memory("names of the inputs");
     }
-    inputs[count++] = arguments->input;
+    inputs[count++] = arguments->cli.inputs.paths[0];
     if (arguments->previous)
         inputs[count++] = arguments->previous;
     for (size_t m = 0; m < arguments->radii.count; m++)

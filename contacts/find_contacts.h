@@ -6,12 +6,6 @@
 #include "contacts/contact_input.h"
 #include "contacts/contact_summary.h"
 
-/* The options of the scene's section "contacts"; what it does not name stays as it is. */
-int contact_options_read(const struct scene *scene, struct contact_options *options);
-/* An automatic correction holds for a whole series, as the radii do: take it from the previous state's parameters. 0,
- * or -1 with a line when these cannot be read. */
-int contact_options_follow(const struct packing *previous, struct contact_options *options);
-
 /* The network of one photo into `packing`, which must be zeroed and is left empty on failure: tables /grains (rows of
  * input->grains), /walls (bottom right top left, then corner discs; none without a frame) and /contacts (sorted by i,
  * then j; j from the number of grains on: a wall; candidates included, flagged); m, rad, y up. packing->info.strain is

@@ -1,5 +1,6 @@
 #include "findgrains/settings.h"
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/lens.h"
 
@@ -23,9 +24,12 @@ static int read_bend(const struct scene *scene, struct find_options *options)
     return 0;
 }
 
+/* The frame and the range of radii are the experiment's, so they stand in the scene's own groups. */
 int settings_read(const struct scene *scene, struct find_options *options)
 {
-    static const char *const keys[] = {"shape", NULL};
+    static const struct option_row rows[] = {
+        {NULL, "shape", OPTION_CHOICE, offsetof(struct find_options, shape), .words = shapes}, {0}};
+    options->shape = FIND_SHAPE_AUTO;
     options->radius_min_px = scene->grains.radius_min_px;
     options->radius_max_px = scene->grains.radius_max_px;
     options->has_frame = scene->frame.given;
@@ -33,15 +37,10 @@ int settings_read(const struct scene *scene, struct find_options *options)
     memcpy(options->corners_px, scene->frame.corners_px, sizeof options->corners_px);
     if (read_bend(scene, options))
         return -1;
-    const cJSON *section = scene_section(scene, "findgrains");
-    int shape = FIND_SHAPE_AUTO;
-    if (section &&
-        (json_check_keys(scene->json, section, keys) || json_choice(scene->json, section, "shape", shapes, &shape) < 0))
-        return -1;
-    options->shape = (enum find_shape)shape;
-    return 0;
+    return options_read(rows, scene, "findgrains", 0, options);
 }
 
+/* Numbers that are not known are left out. */
 static void add_number(cJSON *object, const char *key, double value)
 {
     if (isfinite(value))
@@ -60,6 +59,7 @@ static void add_frame(cJSON *object, const struct find_options *options)
         add_number(frame, "bend_px", options->frame_bend_px);
 }
 
+/* x y radius of what was added, x y of what was removed: px, as in the lists. */
 static void add_corrections(cJSON *object, const struct corrections *corrections)
 {
     cJSON *list = cJSON_AddArrayToObject(object, "corrections");
@@ -70,6 +70,7 @@ static void add_corrections(cJSON *object, const struct corrections *corrections
     }
 }
 
+/* Takes the object. Memory that was out while the tree was built shows here too (json_print). */
 static char *printed(cJSON *object)
 {
     char *text = object ? json_print(object) : NULL;
@@ -105,6 +106,7 @@ static void add_found_frame(cJSON *object, const struct found_frame *found)
     cJSON_AddItemToObject(frame, "touching", cJSON_CreateIntArray(found->touching, 4));
 }
 
+/* Levels in grey levels of the photo, lengths in px; errors of the frame's corners as standard deviations. */
 char *settings_print_notes(const struct find_notes *notes)
 {
     cJSON *object = cJSON_CreateObject();

@@ -21,39 +21,26 @@ static const char doc[] =
     "  simulate --scene scene.json -o truth\n"
     "Exit status 4: a state could not be relaxed; it was saved all the same.";
 
-struct options {
-    struct cli cli;
-};
-
-static error_t parse(int key, char *argument, struct argp_state *state)
-{
-    (void)argument;
-    struct options *options = state->input;
-    if (key == ARGP_KEY_INIT)
-        state->child_inputs[0] = &options->cli;
-    return key == ARGP_KEY_INIT ? 0 : ARGP_ERR_UNKNOWN;
-}
-
-static int run(const struct options *options)
+/* Each state is saved as soon as it is reached; those that did not come to rest are counted as flagged rows. */
+static int run(const struct cli *cli)
 {
     struct scene scene = {0};
     struct simulation_plan plan = {0};
     struct series_folder folder = {0};
     char *parameters = NULL;
-    int status = scene_read(options->cli.scene, &scene);
+    int status = scene_read(cli->scene, &scene);
     if (!status)
         status = simulation_read(&scene, &plan);
     if (!status && !(parameters = simulation_parameters(&scene)))
         status = -1;
     if (!status)
-        status =
-            series_folder_open(&folder, &scene, parameters, options->cli.output, simulation_states(&plan.simulation));
+        status = series_folder_open(&folder, &scene, parameters, cli->output, simulation_states(&plan.simulation));
     if (!status && simulate(&plan.simulation, series_folder_save, &folder) < 0)
         status = -1;
     if (series_folder_close(&folder))
         status = -1;
     if (!status && folder.unrelaxed)
-        status = cli_flagged(&options->cli, folder.unrelaxed, folder.states, "states did not come to rest");
+        status = cli_flagged(cli, folder.unrelaxed, folder.states, "states did not come to rest");
     free(parameters);
     simulation_plan_free(&plan);
     scene_free(&scene);
@@ -62,10 +49,9 @@ static int run(const struct options *options)
 
 int main(int argc, char **argv)
 {
-    struct options options = {.cli = CLI_DEFAULT};
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp argp = {.parser = parse, .doc = doc, .children = children};
+    struct cli cli = CLI_DEFAULT;
+    const struct program program = {NULL, doc, NULL, &cli, NULL, 0, 0, NULL, NULL};
     read_record_begin();
-    cli_parse(&argp, argc, argv, &options);
-    return cli_finish(&options.cli, run(&options));
+    cli_parse(&program, argc, argv);
+    return cli_finish(&cli, run(&cli));
 }

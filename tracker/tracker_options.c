@@ -1,16 +1,20 @@
+/* subset: radius of the disc that is followed, over the grain's radius; search_px, search_deg: how far a grain may have
+ * moved and turned since it was last seen. */
 #include "tracker/tracker_options.h"
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
+
+#define AT(field) .at = offsetof(struct tracker_options, field)
+static const struct option_row rows[] = {{NULL, "subset", OPTION_NUMBER, AT(subset), .min = 0.1, .max = 1},
+                                         {NULL, "search_px", OPTION_NUMBER, AT(search_px), .max = 2000},
+                                         {NULL, "search_deg", OPTION_NUMBER, AT(search_deg), .max = 180},
+                                         {0}};
 
 int tracker_options_read(const struct scene *scene, struct tracker_options *options)
 {
-    static const char *const keys[] = {"subset", "search_px", "search_deg", NULL};
-    const cJSON *section = scene_section(scene, "tracker");
     *options = (struct tracker_options)TRACKER_DEFAULT;
-    if (section && (json_check_keys(scene->json, section, keys) ||
-                    json_number(scene->json, section, "subset", 0.1, 1.0, &options->subset) < 0 ||
-                    json_number(scene->json, section, "search_px", 0, 2000, &options->search_px) < 0 ||
-                    json_number(scene->json, section, "search_deg", 0, 180, &options->search_deg) < 0))
+    if (options_read(rows, scene, "tracker", 0, options))
         return -1;
     options->drift = scene->drift_patches;
     options->drift_count = scene->drift_patch_count;
@@ -25,6 +29,7 @@ static void add_rect(cJSON *list, const struct rect *rect)
     cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(sides, 4));
 }
 
+/* The numbers of the lens, not the name of its file: they are what changes positions. */
 static void add_lens(cJSON *root, const struct lens *lens)
 {
     const double centre[2] = {lens->centre.x, lens->centre.y};

@@ -1,4 +1,7 @@
-/* calibration friction: options, call, write. */
+/* calibration friction: mu between grains, from three-rod tests (thesis Appendix B) or from contact forces.
+ *
+ * Out: film.friction/1. Of tests: mu = tan phi, phi_rad, and for two tests or more the standard errors of their means.
+ * Of forces: mu where |ft| / fn ends, the width of that end, its significance, and quantiles of |ft| / fn. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,16 +12,15 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/packing_file.h"
 
-enum { KEY_FORCES = 0x2300 };
-
 struct options {
     struct cli cli;
-    struct cli_inputs tests;
     const char *method; /* of forces files; NULL: three-rod tests */
 };
 
-static const struct argp_option option_list[] = {
-    {"forces", KEY_FORCES, "METHOD", 0, "Arguments are forces files: mu from where |ft| / fn ends", 0}, {0}};
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {{"forces", NULL, OPTION_TEXT, AT(method), "METHOD",
+                                          .help = "Arguments are forces files: mu from where |ft| / fn ends"},
+                                         {0}};
 
 static const char documentation[] =
     "The friction coefficient between grains from three-rod tests (thesis Appendix B): rod C (radius R) rests on two "
@@ -27,30 +29,11 @@ static const char documentation[] =
     "Each test is one argument P1,P2,L,R,ALPHA: two weights in N, two lengths in m, an angle in degrees.\n\n"
     "Example: calibration friction 3.0,7.4,0.03,0.02,45 3.0,7.2,0.03,0.02,45 -o friction.json\n\n"
     "With --forces METHOD the arguments are forces files of one or more states instead: |ft| / fn of the contacts "
-    "ends sharply at mu. The method must not have been given the answer: infer the forces with a mu well above it.\n\n"
+    "ends sharply at mu. The method must not have been given the answer: infer the forces with a mu well above "
+    "it.\n\n"
     "The result holds mu (for the scene's contact.mu) and its standard error.";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_FORCES:
-        options->method = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->tests, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which test? Give P1,P2,L,R,ALPHA, or forces files with --forces");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-/* "P1,P2,L,R,ALPHA" */
+/* "P1,P2,L,R,ALPHA" in N, N, m, m, degrees. */
 static int parse_test(const char *text, struct friction_test *test)
 {
     const double degree = 0.017453292519943295;
@@ -62,6 +45,7 @@ static int parse_test(const char *text, struct friction_test *test)
     return 0;
 }
 
+/* film.friction/1. One test has no scatter: no standard errors. */
 static cJSON *describe(const struct friction *friction)
 {
     cJSON *object = cJSON_CreateObject();
@@ -76,6 +60,8 @@ static cJSON *describe(const struct friction *friction)
     return object;
 }
 
+/* mu where |ft| / fn ends, and how sharply: width of the end, contacts in it, its significance in standard deviations.
+ */
 static cJSON *describe_mobilised(const struct mobilised *mobilised)
 {
     cJSON *object = cJSON_CreateObject();
@@ -118,14 +104,16 @@ static int collect(const char *path, const char *method, double **fn, double **f
     return status;
 }
 
+/* Forces that were inferred with mu end at that mu by construction, which tells nothing: refused, unless they are the
+ * simulation's own (dem). */
 static int run_forces(const struct options *options)
 {
     double *fn = NULL, *ft = NULL, mu = NAN;
     size_t count = 0;
     struct mobilised mobilised;
     int status = 0;
-    for (size_t k = 0; k < options->tests.count && !status; k++)
-        status = collect(options->tests.paths[k], options->method, &fn, &ft, &count, &mu);
+    for (size_t k = 0; k < options->cli.inputs.count && !status; k++)
+        status = collect(options->cli.inputs.paths[k], options->method, &fn, &ft, &count, &mu);
     if (!status)
         status = friction_mobilised(fn, ft, count, &mobilised);
     if (!status && strcmp(options->method, "dem") && fabs(mobilised.mu - mu) < 2 * mobilised.width)
@@ -139,14 +127,15 @@ static int run_forces(const struct options *options)
     return status;
 }
 
+/* Each word is a test; the formula and its limits are in friction.h. */
 static int run_tests(const struct options *options)
 {
-    size_t count = options->tests.count;
+    size_t count = options->cli.inputs.count;
     struct friction_test *tests = calloc(count, sizeof *tests);
     struct friction friction;
     int status = tests ? 0 : error_memory("tests");
     for (size_t k = 0; k < count && status == 0; k++)
-        status = parse_test(options->tests.paths[k], &tests[k]);
+        status = parse_test(options->cli.inputs.paths[k], &tests[k]);
     if (status == 0)
         status = friction_estimate(tests, count, &friction);
     if (status == 0)
@@ -157,12 +146,16 @@ static int run_tests(const struct options *options)
 
 int command_friction(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "P1,P2,L,R,ALPHA...\nFILE.hdf...", documentation, children,
-                                NULL,        NULL};
-    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT}};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, options.method ? run_forces(&options) : run_tests(&options));
-    cli_inputs_free(&options.tests);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT)};
+    const struct program program = {"P1,P2,L,R,ALPHA...\nFILE.hdf...",
+                                    documentation,
+                                    rows,
+                                    &options,
+                                    NULL,
+                                    1,
+                                    CLI_MANY,
+                                    "which test? Give P1,P2,L,R,ALPHA, or forces files with --forces",
+                                    NULL};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, options.method ? run_forces(&options) : run_tests(&options));
 }

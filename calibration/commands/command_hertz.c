@@ -1,4 +1,10 @@
-/* calibration hertz: options, call, write. */
+/* calibration hertz: Young's modulus and Poisson's ratio of the grains from those of the packing.
+ *
+ * Closed form: the static hypothesis, each contact deflects as the mean strain says; grains E and nu follow at once.
+ * Search: from there, probes of a packing of the scene by discrete elements (discs, or spheres by LAMMPS) until the
+ * packing has the wanted moduli. In the plane stresses are N/m: Pa times the rods' length.
+ *
+ * Out: film.hertz/1: young_Pa and poisson of the grains; of a search also what it reached and every probe. */
 #include <math.h>
 #include <string.h>
 
@@ -10,23 +16,6 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum {
-    KEY_YOUNG = 0x2000,
-    KEY_POISSON,
-    KEY_CONFINEMENT,
-    KEY_POROSITY,
-    KEY_COORDINATION,
-    KEY_D50,
-    KEY_DIMENSIONS,
-    KEY_SEARCH,
-    KEY_GRAIN_POISSON,
-    KEY_RECORD,
-    KEY_ANEW,
-    KEY_RATE,
-    KEY_MOST,
-    KEY_STRAIN
-};
-
 struct options {
     struct cli cli;
     double young, poisson, confinement, porosity, coordination, d50;
@@ -37,21 +26,30 @@ struct options {
     int anew, most;
 };
 
-static const struct argp_option option_table[] = {
-    {"young", KEY_YOUNG, "E", 0, "Young's modulus of the packing (Pa; N/m in 2D without a length)", 0},
-    {"poisson", KEY_POISSON, "NU", 0, "Poisson's ratio of the packing", 0},
-    {"confinement", KEY_CONFINEMENT, "P", 0, "Confining stress, same unit as E", 0},
-    {"porosity", KEY_POROSITY, "PHI", 0, "Voids over total, 0 to 1", 0},
-    {"coordination", KEY_COORDINATION, "Z", 0, "Contacts per grain", 0},
-    {"d50", KEY_D50, "M", 0, "Median diameter, m", 0},
-    {"dimensions", KEY_DIMENSIONS, "2|3", 0, "Discs or spheres (default 2)", 0},
-    {"search", KEY_SEARCH, "METHOD", 0, "Search with probes of the scene's packing: newton or adam", 1},
-    {"grain-poisson", KEY_GRAIN_POISSON, "NU", 0, "Keep the grains' Poisson's ratio, seek E alone", 1},
-    {"record", KEY_RECORD, "R.jsonl", 0, "Every probe, one line each; an interrupted search goes on from there", 1},
-    {"anew", KEY_ANEW, NULL, 0, "Consolidate the packing anew for every probe", 1},
-    {"rate", KEY_RATE, "R", 0, "Adam's learning rate (default: 0.8 of the way left; nu*: 0.1)", 1},
-    {"most-probes", KEY_MOST, "N", 0, "Give up after so many (default 60)", 1},
-    {"strain", KEY_STRAIN, "EPS", 0, "Of the probe (default 1e-5)", 1},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"young", NULL, OPTION_NUMBER, AT(young), "E", .min = 1e-30, .max = 1e30,
+     .help = "Young's modulus of the packing (Pa; N/m in 2D without a length)"},
+    {"poisson", NULL, OPTION_NUMBER, AT(poisson), "NU", .min = -1, .max = 0.5,
+     .help = "Poisson's ratio of the packing"},
+    {"confinement", NULL, OPTION_NUMBER, AT(confinement), "P", .min = 1e-30, .max = 1e30,
+     .help = "Confining stress, same unit as E"},
+    {"porosity", NULL, OPTION_NUMBER, AT(porosity), "PHI", .max = 0.999, .help = "Voids over total"},
+    {"coordination", NULL, OPTION_NUMBER, AT(coordination), "Z", .min = 0.1, .max = 20, .help = "Contacts per grain"},
+    {"d50", NULL, OPTION_NUMBER, AT(d50), "M", .min = 1e-9, .max = 1e3, .help = "Median diameter, m"},
+    {"dimensions", NULL, OPTION_WHOLE, AT(dimensions), "2|3", .min = 2, .max = 3, .help = "Discs or spheres"},
+    {"search", NULL, OPTION_CHOICE, AT(search), "METHOD", .words = HERTZ_METHODS, .group = 1,
+     .help = "Search with probes of the scene's packing"},
+    {"grain-poisson", NULL, OPTION_NUMBER, AT(grain_poisson), "NU", .max = HERTZ_MOST_POISSON, .group = 1,
+     .help = "Keep the grains' Poisson's ratio, seek E alone"},
+    {"record", NULL, OPTION_TEXT, AT(record), "R.jsonl", .group = 1,
+     .help = "Every probe, one line each; an interrupted search goes on from there"},
+    {"anew", NULL, OPTION_SWITCH, AT(anew), .group = 1, .help = "Consolidate the packing anew for every probe"},
+    {"rate", NULL, OPTION_NUMBER, AT(rate), "R", .min = 1e-4, .max = 1, .group = 1,
+     .help = "Adam's learning rate; default: 0.8 of the way left; nu*: 0.1"},
+    {"most-probes", NULL, OPTION_WHOLE, AT(most), "N", .min = 1, .max = 100000, .group = 1,
+     .help = "Give up after so many"},
+    {"strain", NULL, OPTION_NUMBER, AT(strain), "EPS", .min = 1e-8, .max = 5e-4, .group = 1, .help = "Of the probe"},
     {0}};
 
 static const char documentation[] =
@@ -60,72 +58,26 @@ static const char documentation[] =
     "Closed form: --young --poisson --confinement --porosity --coordination --d50. Search: --scene (its simulation: "
     "grading, pressure_Pa, friction_during_compression; its contact: law hertz_pfc or hertz_mindlin), --young, and "
     "--poisson or --grain-poisson.\n\n"
-    "Example: calibration hertz --young 1e9 --poisson 0.1 --confinement 1e5 --porosity 0.17 --coordination 4.1 "
-    "--d50 2e-3 -o hertz.json";
+    "Example: calibration hertz --young 1e9 --poisson 0.1 --confinement 1e5 --porosity 0.17 --coordination 4.1 --d50 "
+    "2e-3 -o hertz.json";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+/* Two uses of one command: the closed form needs all six numbers, the search a scene, E, and exactly one Poisson's
+ * ratio: the packing's, when both are sought, or the grains'. */
+static int check(void *input)
 {
-    struct options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->cli;
-        return 0;
-    case KEY_YOUNG:
-        o->young = cli_number(state, "--young", argument, 1e-30, 1e30);
-        return 0;
-    case KEY_POISSON:
-        o->poisson = cli_number(state, "--poisson", argument, -1, 0.5);
-        return 0;
-    case KEY_CONFINEMENT:
-        o->confinement = cli_number(state, "--confinement", argument, 1e-30, 1e30);
-        return 0;
-    case KEY_POROSITY:
-        o->porosity = cli_number(state, "--porosity", argument, 0, 0.999);
-        return 0;
-    case KEY_COORDINATION:
-        o->coordination = cli_number(state, "--coordination", argument, 0.1, 20);
-        return 0;
-    case KEY_D50:
-        o->d50 = cli_number(state, "--d50", argument, 1e-9, 1e3);
-        return 0;
-    case KEY_DIMENSIONS:
-        o->dimensions = (int)cli_number(state, "--dimensions", argument, 2, 3) == 3 ? HERTZ_3D : HERTZ_2D;
-        return 0;
-    case KEY_SEARCH:
-        o->search = cli_choice(state, "--search", argument, HERTZ_METHODS);
-        o->cli.needs |= CLI_NEEDS_SCENE;
-        return 0;
-    case KEY_GRAIN_POISSON:
-        o->grain_poisson = cli_number(state, "--grain-poisson", argument, 0, HERTZ_MOST_POISSON);
-        return 0;
-    case KEY_RECORD:
-        o->record = argument;
-        return 0;
-    case KEY_ANEW:
-        o->anew = 1;
-        return 0;
-    case KEY_RATE:
-        o->rate = cli_number(state, "--rate", argument, 1e-4, 1);
-        return 0;
-    case KEY_MOST:
-        o->most = (int)cli_number(state, "--most-probes", argument, 1, 100000);
-        return 0;
-    case KEY_STRAIN:
-        o->strain = cli_number(state, "--strain", argument, 1e-8, 5e-4);
-        return 0;
-    case ARGP_KEY_END:
-        if (o->search >= 0 && (isnan(o->young) || isnan(o->poisson) == isnan(o->grain_poisson)))
-            argp_error(state, "--search needs --young and one of --poisson (both are sought) and --grain-poisson");
-        if (o->search >= 0)
-            return 0;
-        if (isnan(o->young + o->poisson + o->confinement + o->porosity + o->coordination + o->d50))
-            argp_error(state, "give all of --young --poisson --confinement --porosity --coordination --d50");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    struct options *o = input;
+    if (o->search < 0)
+        return isnan(o->young + o->poisson + o->confinement + o->porosity + o->coordination + o->d50)
+                   ? error_input("give all of --young --poisson --confinement --porosity --coordination --d50")
+                   : 0;
+    o->cli.needs |= CLI_NEEDS_SCENE;
+    if (isnan(o->young) || isnan(o->poisson) == isnan(o->grain_poisson))
+        return error_input("--search needs --young and one of --poisson (both are sought) and --grain-poisson");
+    return 0;
 }
 
+/* film.hertz/1 of a search: what was sought, found, and every probe. Moduli of the packing in Pa: `metres` is the rods'
+ * length, by which stresses in the plane are divided. */
 static void describe_goal(const struct options *o, const struct hertz_goal *goal, const struct hertz_probes *probes,
                           const struct hertz_found *found, double metres, cJSON *object)
 {
@@ -175,8 +127,8 @@ static int write_found(const struct options *o, const struct hertz_goal *goal, c
                            "(%d probes): calibrate E alone with --grain-poisson",
                            goal->poisson, found->poisson_low, found->poisson_high, found->probes);
     return error_input(
-        "not reached after %d probes: the best is E = %.4g Pa, nu = %.3f: raise --most-probes, use newton, "
-        "or take more grains",
+        "not reached after %d probes: the best is E = %.4g Pa, nu = %.3f: raise --most-probes, use newton, or take "
+        "more grains",
         found->probes, found->best.young / metres, found->best.poisson);
 }
 
@@ -233,6 +185,7 @@ static int search_plan(const struct options *o, struct simulation *simulation)
     return status;
 }
 
+/* The packing, its pressure and its law are the scene's. */
 static int run_search(const struct options *o)
 {
     struct scene scene = {0};
@@ -247,6 +200,7 @@ static int run_search(const struct options *o)
     return status;
 }
 
+/* Static hypothesis (hertz.h): the volume per contact from porosity, coordination and d50, then both moduli at once. */
 static int run_closed(const struct options *o)
 {
     struct hertz_packing packing = {.dimensions = o->dimensions, .radius = o->d50 / 2, .confinement = o->confinement};
@@ -264,9 +218,7 @@ static int run_closed(const struct options *o)
 
 int command_hertz(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_table, parse_option, NULL, documentation, children, NULL, NULL};
-    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT},
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT),
                               .young = NAN,
                               .poisson = NAN,
                               .confinement = NAN,
@@ -279,6 +231,7 @@ int command_hertz(int argc, char **argv)
                               .rate = HERTZ_RATE,
                               .strain = PROBE_STRAIN,
                               .most = HERTZ_MOST_PROBES};
-    cli_parse(&parser, argc, argv, &options);
+    const struct program program = {NULL, documentation, rows, &options, NULL, 0, 0, NULL, check};
+    cli_parse(&program, argc, argv);
     return cli_finish(&options.cli, options.search >= 0 ? run_search(&options) : run_closed(&options));
 }

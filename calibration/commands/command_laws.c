@@ -1,4 +1,9 @@
-/* calibration laws: options, read, call, write. */
+/* calibration laws: contact laws compared on one small-strain probe (Tolomeo and McDowell 2022).
+ *
+ * Each law consolidates the same loose packing and is probed by itself (laws.h). The linear law has no parameter that
+ * the others share: it gets the mean contact stiffness that Hertz's law has at the pressure, so that both start alike.
+ *
+ * Out: film.laws/1: per law and step the tangent modulus, the deviator, and how many contacts load, unload, reload. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +16,7 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum { KEY_PICTURE = 0x2400, KEY_FIRST, KEY_LAST, LAWS = 5, PLASTIC = 3 };
+enum { LAWS = 5, PLASTIC = 3 };
 
 struct options {
     struct cli cli;
@@ -25,40 +30,21 @@ static const struct law *const laws[LAWS] = {&hertz_pfc_law, &hertz_mindlin_law,
 
 static const char documentation[] =
     "Contact laws compared on one small-strain biaxial probe of the scene's packing (Tolomeo and McDowell 2022): how "
-    "the "
-    "modulus falls with the strain, and which contacts load, unload, reload, and how they lie.\v"
+    "the modulus falls with the strain, and which contacts load, unload, reload, and how they lie.\v"
     "The scene's contact is pohrt_popov_plastic (or pohrt_popov), whose young_Pa, poisson, fractal_dimension and "
     "roughness_m serve all laws; the linear one gets the mean stiffness of Hertz's contacts at the pressure. Its "
     "simulation gives grading, pressure_Pa and friction_during_compression.\n\n"
     "Example: calibration laws --scene scene.json --picture laws.svg -o laws.json";
 
-static const struct argp_option option_list[] = {
-    {"picture", KEY_PICTURE, "FILE", 0, "Curves as a picture (.svg, .pdf, .png)", 0},
-    {"first", KEY_FIRST, "EPS", 0, "Strain of the first step (default 1e-7)", 0},
-    {"last", KEY_LAST, "EPS", 0, "Largest strain (default 1e-3)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .help = "Curves as a picture (.svg, .pdf, .png)"},
+    {"first", NULL, OPTION_NUMBER, AT(probe.first), "EPS", .min = 1e-12, .max = 0.01,
+     .help = "Strain of the first step"},
+    {"last", NULL, OPTION_NUMBER, AT(probe.last), "EPS", .min = 1e-12, .max = 0.1, .help = "Largest strain"},
     {0}};
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case KEY_FIRST:
-        options->probe.first = cli_number(state, "--first", argument, 1e-12, 0.01);
-        return 0;
-    case KEY_LAST:
-        options->probe.last = cli_number(state, "--last", argument, 1e-12, 0.1);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
+/* Stresses over the rods' length are Pa; angles in degrees from the horizontal. E0: of the first step. */
 static cJSON *describe_curve(const char *name, const struct law_curve *curve, double length)
 {
     cJSON *object = cJSON_CreateObject(), *steps = cJSON_CreateArray();
@@ -151,6 +137,7 @@ static int compare(const struct options *options, const struct simulation *simul
     return 0;
 }
 
+/* film.laws/1: one curve per law; states that still move are counted over all laws. */
 static int write_all(const struct options *options, const struct law_curve *curves, double length)
 {
     cJSON *object = cJSON_CreateObject(), *list = cJSON_CreateArray();
@@ -168,6 +155,7 @@ static int write_all(const struct options *options, const struct law_curve *curv
     return status ? status : cli_flagged(&options->cli, moving, steps, "states did not come to rest");
 }
 
+/* Checks first what the comparison needs of the scene: roughness, grading, pressure. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};
@@ -194,9 +182,8 @@ static int run(const struct options *options)
 
 int command_laws(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, NULL, documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT, .probe = LAW_PROBE_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
+    const struct program program = {NULL, documentation, rows, &options, NULL, 0, 0, NULL, NULL};
+    cli_parse(&program, argc, argv);
     return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

@@ -1,6 +1,7 @@
-/* calibration lens: options, call, write. */
-#include <errno.h>
-
+/* calibration lens: the distortion from photos of one speckled plate, moved rigidly by unknown motions.
+ *
+ * Discs of the plate are followed by the tracker from the reference photo into each other photo; what deviates from the
+ * best rigid motion of each photo is distortion. One fit over all photos: the lens and every motion (lens_fit.h). */
 #include "calibration/commands/calibration_commands.h"
 #include "calibration/commands/lens_picture.h"
 #include "calibration/lens/lens_fit.h"
@@ -11,19 +12,21 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs photos;
     const char *reference, *picture;
     struct plate_options plate;
 };
 
-enum { KEY_REFERENCE = 0x100, KEY_RADIUS, KEY_SEARCH, KEY_TURN, KEY_PICTURE };
-
-static const struct argp_option option_list[] = {
-    {"reference", KEY_REFERENCE, "FILE", 0, "Photo of the plate that the others are compared with", 0},
-    {"radius", KEY_RADIUS, "PX", 0, "Radius of the discs that are followed (default: a sixtieth of the photo)", 0},
-    {"search-px", KEY_SEARCH, "PX", 0, "How far the plate may have moved (default 400)", 0},
-    {"search-deg", KEY_TURN, "DEG", 0, "How far it may have turned (default 30)", 0},
-    {"picture", KEY_PICTURE, "FILE", 0, "Draw what is corrected and what is left as arrows (.svg, .pdf, .png)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"reference", NULL, OPTION_TEXT, AT(reference), "FILE",
+     .help = "Photo of the plate that the others are compared with"},
+    {"radius", NULL, OPTION_NUMBER, AT(plate.radius_px), "PX", .min = 8, .max = 1000,
+     .help = "Radius of the discs that are followed; default: a sixtieth of the photo"},
+    {"search-px", NULL, OPTION_NUMBER, AT(plate.search_px), "PX", .max = 4000,
+     .help = "How far the plate may have moved"},
+    {"search-deg", NULL, OPTION_NUMBER, AT(plate.search_deg), "DEG", .max = 180, .help = "How far it may have turned"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
+     .help = "Draw what is corrected and what is left as arrows (.svg, .pdf, .png)"},
     {0}};
 
 static const char documentation[] =
@@ -35,41 +38,18 @@ static const char documentation[] =
     "position. Name the file in the scene: \"lens\": \"lens.json\".\n\n"
     "Example: calibration lens --reference plate0.tif plate1.tif plate2.tif plate3.tif -o lens.json";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_REFERENCE:
-        options->reference = argument;
-        return 0;
-    case KEY_RADIUS:
-        options->plate.radius_px = cli_number(state, "--radius", argument, 8, 1000);
-        return 0;
-    case KEY_SEARCH:
-        options->plate.search_px = cli_number(state, "--search-px", argument, 0, 4000);
-        return 0;
-    case KEY_TURN:
-        options->plate.search_deg = cli_number(state, "--search-deg", argument, 0, 180);
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->photos, argument) ? ENOMEM : 0;
-    case ARGP_KEY_END:
-        if (!options->reference)
-            argp_error(state, "--reference is needed");
-        if (options->photos.count < LENS_FEWEST_PHOTOS)
-            argp_error(state, "give at least %d photos of the moved plate", LENS_FEWEST_PHOTOS);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const struct options *options = input;
+    if (!options->reference)
+        return error_input("--reference is needed");
+    if (options->cli.inputs.count < LENS_FEWEST_PHOTOS)
+        return error_input("give at least %d photos of the moved plate", LENS_FEWEST_PHOTOS);
+    return 0;
 }
 
+/* film.lens/1: centre, K and P of Brown's form, corrected from seen (lens.h); rms_px: what is left at the points that
+ * were used; covariance of the eight unknowns, row by row. */
 static cJSON *describe(const struct lens_fitted *fitted, const struct lens_points *points)
 {
     const double centre[2] = {fitted->lens.centre.x, fitted->lens.centre.y};
@@ -93,12 +73,13 @@ static cJSON *describe(const struct lens_fitted *fitted, const struct lens_point
     return object;
 }
 
+/* Follow the plate, fit the lens, write; the picture shows what the fit took away and what it left. */
 static int run(const struct options *options)
 {
     struct plate plate = {0};
     struct lens_fitted fitted;
     int status =
-        plate_follow(options->reference, options->photos.paths, options->photos.count, &options->plate, &plate);
+        plate_follow(options->reference, options->cli.inputs.paths, options->cli.inputs.count, &options->plate, &plate);
     if (!status)
         status = lens_fit(&plate.points, &fitted);
     if (!status)
@@ -111,12 +92,8 @@ static int run(const struct options *options)
 
 int command_lens(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "PHOTO.tif...", documentation, children, NULL, NULL};
-    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT},
-                              .plate = PLATE_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
-    cli_inputs_free(&options.photos);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .plate = PLATE_DEFAULT};
+    const struct program program = {"PHOTO.tif...", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

@@ -1,5 +1,7 @@
-/* calibration rescale: options, read, call, write. */
-#include <errno.h>
+/* calibration rescale: k_n (and k_t) from the stresses of a whole series (thesis 2.1.1, 3.3).
+ *
+ * The Weber stress of forces that follow from overlaps grows in proportion with k_n at a fixed k_t / k_n, because
+ * Coulomb's law knows no scale: k_n is the slope of measured over computed stress (rescale.h). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,18 +13,15 @@
 #include "pipeline/scene/scene.h"
 #include "pipeline/packing/packing_file.h"
 
-enum { KEY_TANGENTIAL = 0x2200, KEY_INCREMENTS, KEY_METHOD, KEY_PICTURE };
-
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     struct rescale_options rescale;
     const char *picture;
 };
 
 static const char documentation[] =
-    "The contact stiffness k_n (with --tangential also k_t) that makes the Weber stress of a whole series equal to the "
-    "stress measured at the walls (thesis 2.1.1, 3.3).\v"
+    "The contact stiffness k_n (with --tangential also k_t) that makes the Weber stress of a whole series equal to "
+    "the stress measured at the walls (thesis 2.1.1, 3.3).\v"
     "FILE.hdf: contacts files of one series, in order: forces come from their overlaps and motions by the contact "
     "elasticity method with the scene's mu. With --method NAME: forces files, whose forces of that method are "
     "scaled.\n\n"
@@ -30,46 +29,26 @@ static const char documentation[] =
     "The result holds kn_N_per_m and kt_over_kn for the scene's contact, their standard errors, and measured beside "
     "rescaled stress of every state.";
 
-static const struct argp_option option_list[] = {
-    {"tangential", KEY_TANGENTIAL, NULL, 0, "Seek k_t too (needs sheared states)", 0},
-    {"increments", KEY_INCREMENTS, NULL, 0, "Compare stress changes since the first file, not stresses", 0},
-    {"method", KEY_METHOD, "NAME", 0, "Scale this method's forces in forces files", 0},
-    {"picture", KEY_PICTURE, "FILE", 0, "Rescaled against measured stress as a picture (.svg, .pdf, .png)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"tangential", NULL, OPTION_SWITCH, AT(rescale.fit_kt), .help = "Seek k_t too (needs sheared states)"},
+    {"increments", NULL, OPTION_SWITCH, AT(rescale.increments),
+     .help = "Compare stress changes since the first file, not stresses"},
+    {"method", NULL, OPTION_TEXT, AT(rescale.method), "NAME", .help = "Scale this method's forces in forces files"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
+     .help = "Rescaled against measured stress as a picture (.svg, .pdf, .png)"},
     {0}};
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_TANGENTIAL:
-        options->rescale.fit_kt = 1;
-        return 0;
-    case KEY_INCREMENTS:
-        options->rescale.increments = 1;
-        return 0;
-    case KEY_METHOD:
-        options->rescale.method = argument;
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which series? Give its contacts files in order");
-        return 0;
-    case ARGP_KEY_END:
-        if (options->rescale.method && options->rescale.fit_kt)
-            argp_error(state, "--method scales forces that are there: --tangential needs contacts files without it");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const struct rescale_options *rescale = &((const struct options *)input)->rescale;
+    if (rescale->method && rescale->fit_kt)
+        return error_input("--method scales forces that are there: --tangential needs contacts files without it");
+    return 0;
 }
 
+/* film.rescale/1: stiffness for the scene's contact, and measured beside rescaled stress, compression positive, Pa (N/m
+ * without a length), of every state. */
 static cJSON *describe(const struct rescale *rescale)
 {
     static const char *const names[] = {"xx", "yy", "xy"};
@@ -117,15 +96,16 @@ static int draw(const char *path, const struct rescale *rescale)
     return status;
 }
 
+/* All states at once: one stiffness has to fit them all. */
 static int run(struct options *options)
 {
     struct scene scene = {0};
     struct rescale rescale = {0};
-    size_t count = options->files.count;
+    size_t count = options->cli.inputs.count;
     struct packing *states = calloc(count, sizeof *states);
     int status = states ? scene_read(options->cli.scene, &scene) : error_memory("states");
     for (size_t k = 0; k < count && !status; k++)
-        status = packing_read(options->files.paths[k], &states[k]);
+        status = packing_read(options->cli.inputs.paths[k], &states[k]);
     options->rescale.law = scene.contact;
     if (!status && scene.contact_given && !contact_law_row(&scene.contact)->linear)
         status = error_input("%s: contact.law: rescaling finds the k_n of the linear law: make it linear",
@@ -146,11 +126,12 @@ static int run(struct options *options)
 
 int command_rescale(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "FILE.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
-    cli_inputs_free(&options.files);
-    return status;
+    const struct program program = {"FILE.hdf...", documentation,
+                                    rows,          &options,
+                                    NULL,          1,
+                                    CLI_MANY,      "which series? Give its contacts files in order",
+                                    check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

@@ -1,5 +1,7 @@
-/* calibration scale: options, call, write. */
-#include <errno.h>
+/* calibration scale: metres per pixel from known lengths in a photo.
+ *
+ * Out: film.scale/1: scale_m_per_px for the scene, its standard error from the errors of the marks or, where that is
+ * more, from what the lengths disagree by (scatter_px). */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -11,16 +13,14 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs lengths;
     const char *lens;
     double error_px;
 };
 
-enum { KEY_LENS = 0x100, KEY_ERROR };
-
-static const struct argp_option option_list[] = {
-    {"lens", KEY_LENS, "FILE", 0, "Lens file: the marks are corrected by it first", 0},
-    {"error-px", KEY_ERROR, "PX", 0, "Standard error of a mark's position (default 0.5)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"lens", NULL, OPTION_TEXT, AT(lens), "FILE", .help = "Lens file: the marks are corrected by it first"},
+    {"error-px", NULL, OPTION_NUMBER, AT(error_px), "PX", .max = 100, .help = "Standard error of a mark's position"},
     {0}};
 
 static const char documentation[] =
@@ -30,29 +30,7 @@ static const char documentation[] =
     "Example: calibration scale 578,1453,7260,1510,0.4008 568,7043,7255,7070,0.4012 -o scale.json\n\n"
     "The result holds scale_m_per_px for the scene and its standard error.";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_LENS:
-        options->lens = argument;
-        return 0;
-    case KEY_ERROR:
-        options->error_px = cli_number(state, "--error-px", argument, 0, 100);
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->lengths, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which length? Give X0,Y0,X1,Y1,METRES");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
+/* "X0,Y0,X1,Y1,METRES"; the marks are moved to where a lens without distortion shows them. */
 static int parse_length(const char *text, const struct lens *lens, struct known_length *length)
 {
     char rest;
@@ -66,6 +44,7 @@ static int parse_length(const char *text, const struct lens *lens, struct known_
     return 0;
 }
 
+/* film.scale/1. One length has nothing to disagree with: no scatter. */
 static cJSON *describe(const struct scale *scale, size_t count)
 {
     cJSON *object = cJSON_CreateObject();
@@ -78,9 +57,10 @@ static cJSON *describe(const struct scale *scale, size_t count)
     return object;
 }
 
+/* Least squares over all lengths (scale.h). */
 static int run(const struct options *options)
 {
-    size_t count = options->lengths.count;
+    size_t count = options->cli.inputs.count;
     struct known_length *lengths = calloc(count, sizeof *lengths);
     struct lens lens;
     struct scale scale;
@@ -88,7 +68,7 @@ static int run(const struct options *options)
     if (!status && options->lens)
         status = lens_read(options->lens, &lens);
     for (size_t k = 0; k < count && !status; k++)
-        status = parse_length(options->lengths.paths[k], options->lens ? &lens : NULL, &lengths[k]);
+        status = parse_length(options->cli.inputs.paths[k], options->lens ? &lens : NULL, &lengths[k]);
     if (!status)
         status = scale_estimate(lengths, count, options->error_px, &scale);
     if (!status)
@@ -99,12 +79,16 @@ static int run(const struct options *options)
 
 int command_scale(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "X0,Y0,X1,Y1,METRES...", documentation, children,
-                                NULL,        NULL};
-    struct options options = {.cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT}, .error_px = 0.5};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.lengths);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .error_px = 0.5};
+    const struct program program = {"X0,Y0,X1,Y1,METRES...",
+                                    documentation,
+                                    rows,
+                                    &options,
+                                    NULL,
+                                    1,
+                                    CLI_MANY,
+                                    "which length? Give X0,Y0,X1,Y1,METRES",
+                                    NULL};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, run(&options));
 }

@@ -1,5 +1,10 @@
-/* calibration settlement: options, read, call, write. */
-#include <errno.h>
+/* calibration settlement: what remains after many cycles, from few (Karrech and others 2007).
+ *
+ * With files: each grain's displacement at the end of the cycles is split into what remains and what comes back, and
+ * what remains is carried --ahead cycles on by a trend in the number of cycles (settlement.h).
+ * Without: the scene's cyclic test is simulated, with jumps over cycles that are not simulated (settle_loop.h).
+ *
+ * Out: film.settlement/1, lengths in m: every grain, or every cycle that was simulated. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,118 +16,63 @@
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
 
-enum {
-    KEY_INITIAL = 0x2500,
-    KEY_TRAIN,
-    KEY_AHEAD,
-    KEY_CYCLES,
-    KEY_TREND,
-    KEY_FULL,
-    KEY_PAPER,
-    KEY_PER_CYCLE,
-    KEY_FIRST,
-    KEY_ERROR,
-    KEY_PROBABILITY,
-    KEY_PICTURE
-};
-
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     struct settle_options loop;
     struct settle_wanted wanted;
     const char *picture;
-    int full;
+    int full, free_contacts;
 };
 
 static const char documentation[] =
-    "Long-term settlement under cycles (Karrech and others 2007): each grain's displacement is split into what remains "
-    "and what comes back; what remains is extrapolated.\v"
+    "Long-term settlement under cycles (Karrech and others 2007): each grain's displacement is split into what "
+    "remains and what comes back; what remains is extrapolated.\v"
     "With FILE.hdf: contacts files (or tracks files and --scene) of a cyclic test, in order: residual and reversible "
     "displacement of every grain, its trend, and where it is --ahead cycles later.\n\n"
-    "Without: the scene's cyclic test is simulated for --initial cycles, then --train cycles are simulated and --ahead "
-    "cycles jumped over, again and again; --full simulates every cycle as well and says the error and the time "
-    "gained.\n\n"
+    "Without: the scene's cyclic test is simulated for --initial cycles, then --train cycles are simulated and "
+    "--ahead cycles jumped over, again and again; --full simulates every cycle as well and says the error and the "
+    "time gained.\n\n"
     "Examples: calibration settlement --ahead 50 contacts/*.contacts.hdf -o settlement.json\n"
     "  calibration settlement --scene scene.json --cycles 500 --full --picture s.svg -o settlement.json";
 
-static const struct argp_option option_list[] = {
-    {"ahead", KEY_AHEAD, "H", 0, "Cycles to extrapolate (default 40)", 0},
-    {"trend", KEY_TREND, "KIND", 0, "linear, logarithmic: a ln t + b t, or log: a ln t (default)", 0},
-    {"picture", KEY_PICTURE, "FILE", 0, "Settlement over the cycles as a picture (.svg, .pdf, .png)", 0},
-    {"per-cycle", KEY_PER_CYCLE, "N", 0, "Files per cycle (default 1)", 1},
-    {"first", KEY_FIRST, "T", 0, "Number of the cycle at whose end the first file stands, from 1 (default 1)", 1},
-    {"error", KEY_ERROR, "M", 0, "Wanted error of the trend, m: how many cycles that takes (Chernoff's bound)", 1},
-    {"probability", KEY_PROBABILITY, "P", 0, "... and the probability to miss it (default 0.05)", 1},
-    {"initial", KEY_INITIAL, "K", 0, "Cycles before the first training (default 10)", 2},
-    {"train", KEY_TRAIN, "K", 0, "Cycles simulated before each jump (default 20)", 2},
-    {"cycles", KEY_CYCLES, "N", 0, "Cycles in all (default 250)", 2},
-    {"full", KEY_FULL, NULL, 0, "Simulate every cycle too, and compare", 2},
-    {"free-contacts", KEY_PAPER, NULL, 0, "Do not carry the contacts' overlaps through a jump", 2},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"ahead", NULL, OPTION_NUMBER, AT(wanted.ahead), "H", .min = 1, .max = 1e9, .help = "Cycles to extrapolate"},
+    {"trend", NULL, OPTION_CHOICE, AT(loop.trend), "KIND", .words = TREND_KINDS,
+     .help = "How settlement grows; logarithmic: a ln t + b t; log: a ln t"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE",
+     .help = "Settlement over the cycles as a picture (.svg, .pdf, .png)"},
+    {"per-cycle", NULL, OPTION_LONG, AT(wanted.per_cycle), "N", .min = 1, .max = 1e6, .group = 1,
+     .help = "Files per cycle"},
+    {"first", NULL, OPTION_NUMBER, AT(wanted.first), "T", .min = 1, .max = 1e9, .group = 1,
+     .help = "Number of the cycle at whose end the first file stands, from 1"},
+    {"error", NULL, OPTION_NUMBER, AT(wanted.error), "M", .min = 1e-300, .max = 1e3, .group = 1,
+     .help = "Wanted error of the trend, m: how many cycles that takes (Chernoff's bound)"},
+    {"probability", NULL, OPTION_NUMBER, AT(wanted.p), "P", .min = 1e-300, .max = 0.999999, .group = 1,
+     .help = "... and the probability to miss it"},
+    {"initial", NULL, OPTION_LONG, AT(loop.initial), "K", .min = 1, .max = 1e6, .group = 2,
+     .help = "Cycles before the first training"},
+    {"train", NULL, OPTION_LONG, AT(loop.train), "K", .min = 2, .max = 1e6, .group = 2,
+     .help = "Cycles simulated before each jump"},
+    {"cycles", NULL, OPTION_LONG, AT(loop.cycles), "N", .min = 1, .max = 1e7, .group = 2, .help = "Cycles in all"},
+    {"full", NULL, OPTION_SWITCH, AT(full), .group = 2, .help = "Simulate every cycle too, and compare"},
+    {"free-contacts", NULL, OPTION_SWITCH, AT(free_contacts), .group = 2,
+     .help = "Do not carry the contacts' overlaps through a jump"},
     {0}};
 
-static error_t parse_number(int key, char *argument, struct argp_state *state)
+/* --trend and --ahead serve both uses, files and simulation. A trend can be read at any time, but a simulation jumps
+ * over whole cycles. */
+static int check(void *input)
 {
-    struct options *o = state->input;
-    switch (key) {
-    case KEY_INITIAL:
-        o->loop.initial = (size_t)cli_number(state, "--initial", argument, 1, 1e6);
-        return 0;
-    case KEY_TRAIN:
-        o->loop.train = (size_t)cli_number(state, "--train", argument, 2, 1e6);
-        return 0;
-    case KEY_AHEAD:
-        o->wanted.ahead = cli_number(state, "--ahead", argument, 1, 1e9);
-        o->loop.ahead = (size_t)o->wanted.ahead;
-        return 0;
-    case KEY_CYCLES:
-        o->loop.cycles = (size_t)cli_number(state, "--cycles", argument, 1, 1e7);
-        return 0;
-    case KEY_PER_CYCLE:
-        o->wanted.per_cycle = (size_t)cli_number(state, "--per-cycle", argument, 1, 1e6);
-        return 0;
-    case KEY_FIRST:
-        o->wanted.first = cli_number(state, "--first", argument, 1, 1e9);
-        return 0;
-    case KEY_ERROR:
-        o->wanted.error = cli_number(state, "--error", argument, 1e-300, 1e3);
-        return 0;
-    case KEY_PROBABILITY:
-        o->wanted.p = cli_number(state, "--probability", argument, 1e-300, 0.999999);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->cli;
-        return 0;
-    case KEY_TREND:
-        o->loop.trend = o->wanted.trend = (enum trend_kind)cli_choice(state, "--trend", argument, TREND_KINDS);
-        return 0;
-    case KEY_FULL:
-        o->full = 1;
-        return 0;
-    case KEY_PAPER:
-        o->loop.carry = 0;
-        return 0;
-    case KEY_PICTURE:
-        o->picture = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&o->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_END:
-        if (!o->files.count && !o->cli.scene)
-            argp_error(state, "give the files of a cyclic test, or a scene to simulate with --scene");
-        return 0;
-    default:
-        return parse_number(key, argument, state);
-    }
+    struct options *o = input;
+    if (!o->cli.inputs.count && !o->cli.scene)
+        return error_input("give the files of a cyclic test, or a scene to simulate with --scene");
+    if (!o->cli.inputs.count && o->wanted.ahead != floor(o->wanted.ahead))
+        return error_input("--ahead %g: give a whole number of cycles to jump over", o->wanted.ahead);
+    o->loop.ahead = (size_t)o->wanted.ahead;
+    o->wanted.trend = o->loop.trend;
+    o->loop.carry = !o->free_contacts;
+    return 0;
 }
 
 /* ---- tracked ---- */
@@ -170,7 +120,7 @@ static int run_tracked(const struct options *o)
     struct settle_estimate estimate = {0};
     int status = o->cli.scene ? scene_read(o->cli.scene, &scene) : 0;
     if (!status)
-        status = settle_series_read(o->files.paths, o->files.count, scene.scale, &series);
+        status = settle_series_read(o->cli.inputs.paths, o->cli.inputs.count, scene.scale, &series);
     if (!status)
         status = settle_estimate(&series, &o->wanted, &estimate);
     if (!status)
@@ -199,6 +149,7 @@ static cJSON *describe_jumps(const struct settle_result *result)
     return rows;
 }
 
+/* Cycles that were jumped over have no settlement: only those that were simulated are listed. */
 static cJSON *describe_run(const struct settle_result *result)
 {
     cJSON *object = cJSON_CreateObject(), *cycles = cJSON_CreateArray(), *settlement = cJSON_CreateArray();
@@ -277,6 +228,7 @@ static int write_runs(const struct options *o, const struct settle_result *quick
                : cli_flagged(&o->cli, quick->unrested, quick->simulated + quick->jumps, "states did not come to rest");
 }
 
+/* --full: once more without jumps, as the truth that the errors are measured by. */
 static int run_simulated(const struct options *o)
 {
     struct scene scene = {0};
@@ -302,17 +254,14 @@ static int run_simulated(const struct options *o)
 
 int command_settlement(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "[FILE.hdf...]", documentation, children, NULL, NULL};
     struct options options = {
-        .cli = {.max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_OUTPUT},
+        .cli = CLI_NEEDING(CLI_NEEDS_OUTPUT),
         .loop = SETTLE_DEFAULT,
         .wanted = {.trend = TREND_LOG, .per_cycle = 1, .first = 1, .ahead = 40, .error = NAN, .p = 0.05}};
-    cli_parse(&parser, argc, argv, &options);
+    const struct program program = {"[FILE.hdf...]", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
+    cli_parse(&program, argc, argv);
     int status = canvas_check_path(options.picture);
     if (!status)
-        status = options.files.count ? run_tracked(&options) : run_simulated(&options);
-    status = cli_finish(&options.cli, status);
-    cli_inputs_free(&options.files);
-    return status;
+        status = options.cli.inputs.count ? run_tracked(&options) : run_simulated(&options);
+    return cli_finish(&options.cli, status);
 }

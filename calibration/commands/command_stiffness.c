@@ -1,5 +1,9 @@
-/* calibration stiffness: options, read, call, write. */
-#include <errno.h>
+/* calibration stiffness: k_n of one contact from two rods in a press (thesis 4.1.1.1).
+ *
+ * Deflection: how much nearer the tracked centres of the two rods are than in the first photo that shows both, px times
+ * the scene's scale, m. Force: the press's record at the photo's time (or index) plus --delay, interpolated, N.
+ *
+ * Out: film.stiffness/1: kn_N_per_m, its standard error, and every loading, unloading and reloading with its fits. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,11 +15,8 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
 
-enum { KEY_RECORD = 0x2100, KEY_RODS, KEY_DELAY, KEY_FORCE_ERROR, KEY_PICTURE };
-
 struct options {
     struct cli cli;
-    struct cli_inputs tracks;
     const char *record, *picture;
     struct press_series_options series;
     struct press_options press;
@@ -31,57 +32,35 @@ static const char documentation[] =
     "The result holds kn_N_per_m (for the scene's contact), its standard error, and for each loading, unloading and "
     "reloading the line, the two lines with their break, the power law, and every point.";
 
-static const struct argp_option option_list[] = {
-    {"record", KEY_RECORD, "FORCE.csv", 0, "Force record: time_s,force_N or index,force_N", 0},
-    {"rods", KEY_RODS, "I,J", 0, "Rows of the two rods (default 0,1)", 0},
-    {"delay", KEY_DELAY, "S", 0, "Added to the photos' time (or index) to give the record's (default 0)", 0},
-    {"force-error", KEY_FORCE_ERROR, "N", 0, "Standard error of the force, N (default 0)", 0},
-    {"picture", KEY_PICTURE, "FILE", 0, "Curve and fits as a picture (.svg, .pdf, .png)", 0},
-    {0}};
-
-static void parse_rods(struct argp_state *state, const char *text, long rods[2])
+/* Two rows, "I,J". */
+static int parse_rods(const char *text, void *member)
 {
+    long *rods = member;
     char rest;
     if (sscanf(text, "%ld,%ld%c", &rods[0], &rods[1], &rest) != 2 || rods[0] < 0 || rods[1] < 0 || rods[0] == rods[1])
-        argp_error(state, "--rods '%s': give two different rows, I,J", text);
+        return error_input("give two different rows, I,J");
+    return 0;
 }
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"record", NULL, OPTION_TEXT, AT(record), "FORCE.csv", .help = "Force record: time_s,force_N or index,force_N"},
+    {"rods", NULL, OPTION_TEXT, AT(series.rods), "I,J", .parse = parse_rods,
+     .help = "Rows of the two rods (default 0,1)"},
+    {"delay", NULL, OPTION_NUMBER, AT(series.delay), "S", .min = -1e9, .max = 1e9,
+     .help = "Added to the photos' time (or index) to give the record's"},
+    {"force-error", NULL, OPTION_NUMBER, AT(press.force_error), "N", .max = 1e9,
+     .help = "Standard error of the force, N"},
+    {"picture", NULL, OPTION_OUTPUT, AT(picture), "FILE", .help = "Curve and fits as a picture (.svg, .pdf, .png)"},
+    {0}};
+
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_RECORD:
-        options->record = argument;
-        return 0;
-    case KEY_PICTURE:
-        options->picture = argument;
-        return 0;
-    case KEY_RODS:
-        parse_rods(state, argument, options->series.rods);
-        return 0;
-    case KEY_DELAY:
-        options->series.delay = cli_number(state, "delay", argument, -1e9, 1e9);
-        return 0;
-    case KEY_FORCE_ERROR:
-        options->press.force_error = cli_number(state, "force-error", argument, 0, 1e9);
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->tracks, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which photos? Give the tracks files in order");
-        return 0;
-    case ARGP_KEY_END:
-        if (!options->record)
-            argp_error(state, "give the force record with --record");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    return ((const struct options *)input)->record ? 0 : error_input("give the force record with --record");
 }
 
+/* A loading, unloading or reloading: a line, two lines that meet at a break, and the power law, each with its rms, m.
+ */
 static cJSON *describe_phase(const struct press_point *points, const struct press_fit *fit)
 {
     cJSON *object = cJSON_CreateObject();
@@ -107,6 +86,7 @@ static cJSON *describe_phase(const struct press_point *points, const struct pres
     return object;
 }
 
+/* A photo; `used` 0: a rod was lost, or the record does not reach there. */
 static cJSON *describe_point(const struct press_point *point)
 {
     cJSON *object = cJSON_CreateObject();
@@ -157,6 +137,7 @@ static int draw(const char *path, const struct press_point *points, const struct
     return status;
 }
 
+/* Photos that were not used are flagged rows: too many of them are status 4. */
 static int fit_and_write(const struct options *options, const struct press_photo *photos, size_t count)
 {
     struct press_point *points = calloc(count, sizeof *points);
@@ -184,17 +165,18 @@ static int fit_and_write(const struct options *options, const struct press_photo
     return status;
 }
 
+/* Only the scene's scale is needed: deflections are px times it. */
 static int run(struct options *options)
 {
     struct scene scene = {0};
-    size_t count = options->tracks.count;
+    size_t count = options->cli.inputs.count;
     struct press_photo *photos = calloc(count, sizeof *photos);
     int status = photos ? scene_read(options->cli.scene, &scene) : error_memory("photos");
     if (!status && isnan(scene.scale))
         status = scene_lacks(&scene, "scale_m_per_px", "calibration stiffness measures lengths");
     options->series.scale = scene.scale;
     for (size_t k = 0; k < count && !status; k++)
-        status = press_photo_read(options->tracks.paths[k], &photos[k]);
+        status = press_photo_read(options->cli.inputs.paths[k], &photos[k]);
     if (!status)
         status = fit_and_write(options, photos, count);
     for (size_t k = 0; photos && k < count; k++)
@@ -206,11 +188,16 @@ static int run(struct options *options)
 
 int command_stiffness(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "TRACKS.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT, .series = {.rods = {0, 1}}, .press = PRESS_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
-    cli_inputs_free(&options.tracks);
-    return status;
+    const struct program program = {"TRACKS.hdf...",
+                                    documentation,
+                                    rows,
+                                    &options,
+                                    NULL,
+                                    1,
+                                    CLI_MANY,
+                                    "which photos? Give the tracks files in order",
+                                    check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, canvas_check_path(options.picture) ? -1 : run(&options));
 }

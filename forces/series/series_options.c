@@ -1,3 +1,5 @@
+/* A series determines some constants that its files only state: stiffness, offset of the radii. `found` holds them with
+ * their standard errors, beside the options, so that a file tells what it was made with and what came out. */
 #include "forces/series/series_options.h"
 
 #include <inttypes.h>
@@ -8,28 +10,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
 
-static const char *const KEYS[] = {"softness", "shape_px", "offset", "stiffness", "tangential", NULL};
-
-int series_options_read(const struct scene *scene, struct series_options *options)
-{
-    const struct json *json = scene->json;
-    const cJSON *section = scene_section(scene, "forces"), *object = NULL;
-    double shape = NAN;
-    if (!section || json_object(json, section, "series", &object) <= 0)
-        return section && json_object(json, section, "series", &object) < 0 ? -1 : 0;
-    if (json_check_keys(json, object, KEYS) || json_number(json, object, "softness", 1e-5, 1, &options->softness) < 0 ||
-        json_number(json, object, "shape_px", 0, 100, &shape) < 0 ||
-        json_boolean(json, object, "offset", &options->fit_offset) < 0 ||
-        json_boolean(json, object, "stiffness", &options->fit_stiffness) < 0 ||
-        json_boolean(json, object, "tangential", &options->tangential) < 0)
-        return -1;
-    if (!isnan(shape) && shape > 0 && !(scene->scale > 0))
-        return scene_lacks(scene, "scale_m_per_px", "forces.series.shape_px is in px");
-    if (!isnan(shape))
-        options->shape = shape > 0 ? shape * scene->scale : 0;
-    return 0;
-}
-
+/* NaN becomes null: JSON has no NaN. */
 static int add(cJSON *object, const char *key, double value)
 {
     cJSON *added = isfinite(value) ? cJSON_AddNumberToObject(object, key, value) : cJSON_AddNullToObject(object, key);
@@ -66,6 +47,8 @@ char *series_options_text(const struct force_options *options, const struct seri
     return text;
 }
 
+/* fresh: pairs that carry but did not in the photo before; information: trace of the photo's part of the precision of
+ * the shared unknowns. */
 static const char HEADER[] = "index,mean_fn_N,contacts,open,fresh,data,misfit,information,residual\n";
 
 static int print_table(const char *path, const struct packing *const *packings, size_t count,
@@ -86,6 +69,7 @@ static int print_table(const char *path, const struct packing *const *packings, 
     return fclose(file) || failed ? error_failed("%s: cannot be written: is the disk full?", path) : 0;
 }
 
+/* Whole or not at all: a new file beside the old one, renamed when it is complete. */
 int series_write_table(const char *folder, const struct packing *const *packings, size_t count,
                        const struct series_summary *summary)
 {

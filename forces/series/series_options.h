@@ -1,12 +1,9 @@
-/* Options of series: the scene's section "forces", key "series"; the text of what was done and found; the table. */
+/* What a series says of itself: the text of what was done and found, and the table of its photos. */
 #ifndef FORCES_SERIES_OPTIONS_H
 #define FORCES_SERIES_OPTIONS_H
 
 #include "forces/series/series.h"
-#include "pipeline/scene/scene.h"
 
-/* What the scene gives; `options` keeps its values where it is silent. */
-int series_options_read(const struct scene *scene, struct series_options *options);
 /* JSON of everything that changes numbers, and of what was found; to be freed. */
 char *series_options_text(const struct force_options *options, const struct series_options *series,
                           const struct series_summary *summary);

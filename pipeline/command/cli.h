@@ -1,19 +1,20 @@
-/* How every program speaks: shared options, help, ranges, exit statuses, the one line on failure. A main is
+/* How every program speaks: its options and the shared ones from tables of rows, help, exit statuses, the one line on
+ * failure. A main is
  *
  *     int main(int argc, char **argv)
  *     {
  *         struct options options = {.cli = CLI_DEFAULT, ...};
- *         cli_parse(&parser, argc, argv, &options);        // exits 2 on a wrong command line
+ *         const struct program program = {"PHOTO.tif", help, rows, &options, .least = 1, .most = 1, ...};
+ *         cli_parse(&program, argc, argv);                 // exits 2 on a wrong command line
  *         return cli_finish(&options.cli, run(&options));  // prints "program: message" and gives the status
- *     }
- *
- * with CLI_CHILD in the parser's children and, in its ARGP_KEY_INIT, state->child_inputs[0] = &options->cli. */
+ *     } */
 #ifndef PIPELINE_CLI_H
 #define PIPELINE_CLI_H
 
-#include <argp.h>
-#include <stddef.h>
+#include "pipeline/command/cli_inputs.h"
+#include "pipeline/command/option_table.h"
 
+/* What every program takes; the first member of each program's struct of options. */
 struct cli {
     const char *scene;  /* --scene */
     const char *output; /* -o */
@@ -22,34 +23,43 @@ struct cli {
     int quiet;          /* --quiet */
     double max_flagged; /* --max-flagged */
     int allow_outside;  /* --allow-outside */
-    double max_pixels;  /* --max-pixels; 0: PHOTO_MAX_PIXELS */
+    size_t max_pixels;  /* --max-pixels */
     unsigned needs;     /* CLI_NEEDS_*: a missing option is a usage error */
+
+    struct cli_inputs inputs; /* the words that are no options; freed by cli_finish() */
+    const struct program *program;
+    uint64_t given; /* bit k: row k of the program's table stood on the command line */
 };
-#define CLI_MAX_FLAGGED 0.05
-#define CLI_DEFAULT                                                                                                    \
-    {                                                                                                                  \
-        .max_flagged = CLI_MAX_FLAGGED, .needs = CLI_NEEDS_SCENE | CLI_NEEDS_OUTPUT                                    \
-    }
 enum { CLI_NEEDS_SCENE = 1, CLI_NEEDS_OUTPUT = 2 };
-
-/* The shared options as an argp child (its input is a struct cli *). */
-extern const struct argp cli_argp;
-#define CLI_CHILD                                                                                                      \
+#define CLI_MAX_FLAGGED 0.05
+#define CLI_NEEDING(what)                                                                                              \
     {                                                                                                                  \
-        &cli_argp, 0, "Common options:", 100                                                                           \
+        .max_flagged = CLI_MAX_FLAGGED, .max_pixels = PHOTO_MAX_PIXELS, .needs = (what)                                \
     }
+#define CLI_DEFAULT CLI_NEEDING(CLI_NEEDS_SCENE | CLI_NEEDS_OUTPUT)
 
-/* argp_parse with exit status 2 on a wrong command line and the version of this build; then checks `needs`, applies
- * --threads, opens --log. argv[0] is cut to its base name. */
-void cli_parse(const struct argp *argp, int argc, char **argv, void *options);
-/* A number in an option's argument, in any locale; outside [min, max] or not a number: usage error. */
-double cli_number(const struct argp_state *state, const char *option, const char *text, double min, double max);
-/* Position of text among NULL-terminated words, else usage error that lists them. */
-int cli_choice(const struct argp_state *state, const char *option, const char *text, const char *const words[]);
+struct program {
+    const char *arguments;         /* of the usage line, one form per line: "PHOTO.tif..."; NULL: takes no files */
+    const char *help;              /* what stands before the options, then \v, then what stands after them */
+    const struct option_row *rows; /* its own options; NULL: the shared ones only */
+    void *options;                 /* its struct of options, which begins with a struct cli */
+    const char *section;           /* of the scene, whose keys the rows name; NULL: none */
+    size_t least, most;            /* how many inputs; CLI_MANY: any number */
+    const char *asks;              /* said when there are fewer or more: "give one TIFF file" */
+    /* What only the whole command line tells: -1 with an error that becomes a usage error. May change `needs`. */
+    int (*check)(void *options);
+};
+#define CLI_MANY SIZE_MAX
+
+/* Fills program->options (argp underneath); a wrong command line ends the program with EXIT_USAGE and one line that
+ * says what to give. Then applies --threads and opens --log. argv[0] is cut to its base name. */
+void cli_parse(const struct program *program, int argc, char **argv);
+/* Did the program's own option --name stand on the command line? */
+int cli_given(const struct cli *cli, const char *name);
 
 /* `status` is -1 after a failure (the error line is printed to stderr and its status returned), else 0 or
- * EXIT_FLAGGED. Closes the log with CPU seconds, wall seconds and peak memory. */
-int cli_finish(const struct cli *cli, int status);
+ * EXIT_FLAGGED. Closes the log with CPU seconds, wall seconds and peak memory; frees the inputs. */
+int cli_finish(struct cli *cli, int status);
 /* EXIT_FLAGGED with a note on stderr when flagged > max_flagged * total, else 0; `what`: "grains are flagged". */
 int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char *what);
 
@@ -57,15 +67,14 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
  * NULL): pairs of a name and a double. Not for parallel regions. */
 void log_event(const char *event, ...) __attribute__((sentinel));
 
-/* A list of input paths collected in ARGP_KEY_ARG. */
-struct cli_inputs {
-    char **paths;
-    size_t count;
-    char *text; /* of cli_inputs_read() */
+/* A program of several commands, each with a command line of its own: "report map ...". */
+struct subcommand {
+    const char *name, *full_name; /* "map", "report map" */
+    int (*run)(int argc, char **argv);
+    const char *what; /* a line of --help */
 };
-int cli_inputs_add(struct cli_inputs *inputs, char *path);
-/* The paths in a file, one per line (once; NULL: none): more than a command line holds. */
-int cli_inputs_read(struct cli_inputs *inputs, const char *path);
-void cli_inputs_free(struct cli_inputs *inputs);
+/* The main of such a program: runs the command that argv[1] names, or says which there are. `commands` ends with a
+ * NULL name; `what`: a line about the program. */
+int cli_command(const char *program, const char *what, const struct subcommand *commands, int argc, char **argv);
 
 #endif

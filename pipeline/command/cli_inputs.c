@@ -1,18 +1,21 @@
+/* Paths are borrowed, but for those of a list file, whose text the struct owns: its lines are cut in place. */
+#include "pipeline/command/cli_inputs.h"
+
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/input_file.h"
 
-int cli_inputs_add(struct cli_inputs *inputs, char *path)
+int cli_inputs_add(struct cli_inputs *inputs, const char *path)
 {
     char **paths = realloc(inputs->paths, (inputs->count + 1) * sizeof *paths);
     if (!paths)
         return error_memory("list of files");
     inputs->paths = paths;
-    paths[inputs->count++] = path;
+    paths[inputs->count++] = (char *)path;
     return 0;
 }
 

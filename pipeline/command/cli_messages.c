@@ -1,3 +1,6 @@
+/* argp and getopt print to stderr, with words of the command line as they came. A word may hold anything: escapes that
+ * move the cursor, or a line break and a line that looks like ours. So stderr is a stream of our own while they work,
+ * with room for one whole message, which is cleaned before it is shown. */
 #include "pipeline/command/cli_messages.h"
 
 #include <string.h>

@@ -1,36 +1,8 @@
+/* Two paths are one file when device and inode agree. Only files that exist can be overwritten, and only regular ones
+ * lose something: /dev/null may be named as often as one likes. */
 #include "pipeline/command/cli_overwrite.h"
 
-#include <stddef.h>
-#include <string.h>
 #include <sys/stat.h>
-
-static const char *const writing[] = {"--output", "--log", "--picture", "--json", "--fclib", NULL};
-
-/* Does the word begin an option that writes? Long ones may be cut short, as argp allows. */
-static int is_writing(const char *word, size_t length)
-{
-    for (int k = 0; length > 3 && writing[k]; k++)
-        if (!strncmp(word, writing[k], length))
-            return 1;
-    return length == 2 && (!strncmp(word, "-o", 2) || !strncmp(word, "-p", 2));
-}
-
-/* What argv[k] names as a file: the word itself, or what follows "--option=" or "-o". */
-static const char *file_of(const char *word)
-{
-    const char *value = !strncmp(word, "--", 2) ? strchr(word, '=') : NULL;
-    if (value)
-        return value + 1;
-    return strlen(word) > 2 && is_writing(word, 2) ? word + 2 : word;
-}
-
-static int is_output(int k, char *const argv[])
-{
-    const char *word = argv[k], *file = file_of(word);
-    if (file != word)
-        return is_writing(word, (size_t)(file - word) - (file[-1] == '='));
-    return k > 1 && is_writing(argv[k - 1], strlen(argv[k - 1]));
-}
 
 static int is_same_file(const char *a, const char *b)
 {
@@ -39,11 +11,15 @@ static int is_same_file(const char *a, const char *b)
            of_a.st_ino == of_b.st_ino;
 }
 
-const char *cli_overwritten(int argc, char *const argv[])
+const char *cli_overwritten(const struct cli_inputs *outputs, const struct cli_inputs *inputs)
 {
-    for (int k = 1; k < argc; k++)
-        for (int other = 1; is_output(k, argv) && other < argc; other++)
-            if (other != k && is_same_file(file_of(argv[k]), file_of(argv[other])))
-                return file_of(argv[k]);
+    for (size_t k = 0; k < outputs->count; k++) {
+        for (size_t other = 0; other < inputs->count; other++)
+            if (is_same_file(outputs->paths[k], inputs->paths[other]))
+                return outputs->paths[k];
+        for (size_t other = 0; other < k; other++)
+            if (is_same_file(outputs->paths[k], outputs->paths[other]))
+                return outputs->paths[k];
+    }
     return NULL;
 }

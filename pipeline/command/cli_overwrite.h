@@ -2,8 +2,10 @@
 #ifndef PIPELINE_CLI_OVERWRITE_H
 #define PIPELINE_CLI_OVERWRITE_H
 
-/* The first word of the command line whose option writes (-o, --log, --picture, --json, --fclib) and that names the
- * same existing file as another word does, whatever the paths look like; NULL: none. */
-const char *cli_overwritten(int argc, char *const argv[]);
+#include "pipeline/command/cli_inputs.h"
+
+/* The first output that is the same existing regular file as another word of either list, whatever the paths look
+ * like (links, ".."); NULL: none. */
+const char *cli_overwritten(const struct cli_inputs *outputs, const struct cli_inputs *inputs);
 
 #endif

@@ -8,7 +8,7 @@
 #include <openssl/evp.h>
 
 #include "pipeline/speak/error.h"
-#include "pipeline/files/input_file.h"
+#include "pipeline/files/regular_file.h"
 
 static int digest_stream(int fd, EVP_MD_CTX *context, unsigned char digest[32])
 {
@@ -52,7 +52,7 @@ int descriptor_sha256(int fd, char text[65])
 
 int file_sha256(const char *path, char text[65])
 {
-    int fd = input_descriptor(path, 0);
+    int fd = regular_file(path, 0);
     if (fd < 0)
         return -1;
     int failed = descriptor_sha256(fd, text);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pipeline/packing/rank.h"
+#include "pipeline/numbers/rank.h"
 #include "pipeline/speak/error.h"
 
 void packing_fabric(const struct packing *packing, double area, struct fabric *fabric)

@@ -1,5 +1,6 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/plan/scene_commands.h"
+#include "pipeline/speak/error.h"
 
 /* Whose part: the stages, and the sections of simulate and render. */
 static const char *const parts[] = {"findgrains", "tracker",    "contacts", "forces",
@@ -11,13 +12,18 @@ struct arguments {
     struct scene_words words;
 };
 
-enum { METHOD = 256, START, FORMAT, RUNNER };
-static const struct argp_option option_list[] = {
-    {"method", METHOD, "LIST", 0, "Methods of forces, or series (default: the scene's)", 0},
-    {"start", START, "START", 0, "What forces starts from (default: the scene's)", 0},
-    {"format", FORMAT, "FORMAT", 0, "plan: json, one object per line (default), or make, for the folder -o", 0},
-    {"runner", RUNNER, "FILE", 0, "plan: a program that runs every command (pipeline/stage)", 0},
-    {0}};
+static const char *const formats[] = {"json", "make", NULL};
+
+#define AT(field) .at = offsetof(struct arguments, field)
+static const struct option_row rows[] = {{"method", NULL, OPTION_TEXT, AT(words.plan.method), "LIST",
+                                          .help = "Methods of forces, or series; default: the scene's"},
+                                         {"start", NULL, OPTION_TEXT, AT(words.plan.start), "START",
+                                          .help = "What forces starts from; default: the scene's"},
+                                         {"format", NULL, OPTION_CHOICE, AT(words.make), "FORMAT", .words = formats,
+                                          .help = "plan: json, one object per line, or make, for the folder -o"},
+                                         {"runner", NULL, OPTION_TEXT, AT(words.plan.runner), "FILE",
+                                          .help = "plan: a program that runs every command (pipeline/stage)"},
+                                         {0}};
 
 static const char help[] =
     "Read a scene and say what is in it, what has to be made from it, and what is.\v"
@@ -35,44 +41,36 @@ static const char help[] =
     "results: the same, one result per line: name, state, there or absent, separated by tabulators.\n\n"
     "Examples:\n  scene check my-test/scene.json\n  scene plan my-test/scene.json | grep 0004.forces.hdf";
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static int choose(const char *what, const char *text, const char *const list[])
 {
-    static const char *const formats[] = {"json", "make", NULL};
-    struct arguments *arguments = state->input;
-    struct scene_words *words = &arguments->words;
-    if (key == ARGP_KEY_INIT)
-        state->child_inputs[0] = &arguments->cli;
-    else if (key == METHOD)
-        words->plan.method = text;
-    else if (key == START)
-        words->plan.start = text;
-    else if (key == FORMAT)
-        words->make = cli_choice(state, "--format", text, formats);
-    else if (key == RUNNER)
-        words->plan.runner = text;
-    else if (key == ARGP_KEY_ARG && state->arg_num == 0)
-        arguments->command = cli_choice(state, "command", text, SCENE_COMMANDS);
-    else if (key == ARGP_KEY_ARG && state->arg_num == 1)
-        words->scene = text;
-    else if (key == ARGP_KEY_ARG && state->arg_num == 2 && arguments->command == SCENE_PART)
-        words->part = parts[cli_choice(state, "stage", text, parts)];
-    else if (key == ARGP_KEY_ARG)
-        argp_error(state, "%s: one word too many", text);
-    else if (key == ARGP_KEY_END && (!words->scene || (arguments->command == SCENE_PART && !words->part)))
-        argp_error(state, "which scene%s? See --help", arguments->command == SCENE_PART ? ", and which stage" : "");
-    else if (key != ARGP_KEY_END)
-        return ARGP_ERR_UNKNOWN;
+    int k = option_choice(text, list);
+    return k < 0 ? error_context("%s %s", what, text) : k;
+}
+
+/* COMMAND SCENE.json, and STAGE where a part is wanted. */
+static int check(void *options)
+{
+    struct arguments *arguments = options;
+    const struct cli_inputs *inputs = &arguments->cli.inputs;
+    if ((arguments->command = choose("command", inputs->paths[0], SCENE_COMMANDS)) < 0)
+        return -1;
+    int wanted = arguments->command == SCENE_PART ? 3 : 2;
+    if (inputs->count != (size_t)wanted)
+        return error_input("which scene%s? See --help", wanted == 3 ? ", and which stage" : "");
+    int part = wanted == 3 ? choose("stage", inputs->paths[2], parts) : 0;
+    if (part < 0)
+        return -1;
+    arguments->words.scene = inputs->paths[1];
+    arguments->words.part = parts[part];
     return 0;
 }
 
 int main(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse, "COMMAND SCENE.json\npart SCENE.json STAGE", help, children,
-                                NULL,        NULL};
-    struct arguments arguments = {.cli = CLI_DEFAULT, .command = -1, .words.plan = {"", "", "", "", "", 0}};
-    arguments.cli.needs = 0;
-    cli_parse(&parser, argc, argv, &arguments);
+    struct arguments arguments = {.cli = CLI_NEEDING(0), .command = -1, .words.plan = {"", "", "", "", "", 0}};
+    const char usage[] = "COMMAND SCENE.json\npart SCENE.json STAGE", asks[] = "which scene? See --help";
+    const struct program program = {usage, help, rows, &arguments, NULL, 2, 3, asks, check};
+    cli_parse(&program, argc, argv);
     arguments.words.plan.allow_outside = arguments.cli.allow_outside;
     if (arguments.cli.output)
         arguments.words.plan.out = arguments.cli.output;

@@ -1,4 +1,7 @@
-/* report compare: options, read, call, print. */
+/* report compare: a state file against another opinion or the truth.
+ *
+ * Both are photo side (px) or both SI side (m, N). Grains are matched by position, one to one, because files may number
+ * them differently. Figures go to stdout as a table, and with --json into a file as one object. */
 #include <stdio.h>
 #include <string.h>
 
@@ -12,24 +15,24 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     const char *method, *truth_method, *from, *from_a, *json;
 };
 
-enum { KEY_METHOD = 0x2000, KEY_TRUTH_METHOD, KEY_FROM, KEY_FROM_A, KEY_JSON };
-
-static const struct argp_option option_list[] = {
-    {"method", KEY_METHOD, "M", 0, "Forces of A to judge (default: " METHOD_DEFAULT_ORDER ")", 0},
-    {"truth-method", KEY_TRUTH_METHOD, "M", 0, "Forces of B (default: dem when B has it, else as for A)", 0},
-    {"from", KEY_FROM, "B0.hdf", 0, "Truth of the reference photo: compare motions since then", 0},
-    {"from-a", KEY_FROM_A, "A0.hdf", 0, "Where A's grains started, when A does not say it itself (tracks do)", 0},
-    {"json", KEY_JSON, "OUT.json", 0, "Write the numbers here too, as one JSON object", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"method", NULL, OPTION_TEXT, AT(method), "M", .help = "Forces of A to judge (default: " METHOD_DEFAULT_ORDER ")"},
+    {"truth-method", NULL, OPTION_TEXT, AT(truth_method), "M",
+     .help = "Forces of B (default: dem when B has it, else as for A)"},
+    {"from", NULL, OPTION_TEXT, AT(from), "B0.hdf", .help = "Truth of the reference photo: compare motions since then"},
+    {"from-a", NULL, OPTION_TEXT, AT(from_a), "A0.hdf",
+     .help = "Where A's grains started, when A does not say it itself (tracks do)"},
+    {"json", NULL, OPTION_OUTPUT, AT(json), "OUT.json", .help = "Write the numbers here too, as one JSON object"},
     {0}};
 
 static const char documentation[] =
     "Compare A with B, the truth or another opinion, and print a table. Both files are photo side (grains, tracks; "
-    "truth: photo-truth) or both SI side (contacts, forces; truth: truth). Grains are matched by position, one to one, "
-    "so the files may number them differently.\v"
+    "truth: photo-truth) or both SI side (contacts, forces; truth: truth). Grains are matched by position, one to "
+    "one, so the files may number them differently.\v"
     "Photo side: grains found, missed and false, errors of centres and radii; with --from also of displacements and "
     "rotations. SI side: contact lists (precision, recall, F1), overlaps, Pearson r of fn and ft, dist, <fn>, Weber "
     "stress, unbalanced forces.\n\n"
@@ -38,39 +41,7 @@ static const char documentation[] =
     "  report compare --from truth/0000.photo-truth.hdf 0003.tracks.hdf truth/0003.photo-truth.hdf\n"
     "  report compare --method qsm 0003.forces.hdf truth/0003.truth.hdf --json qsm.json";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_METHOD:
-        options->method = argument;
-        return 0;
-    case KEY_TRUTH_METHOD:
-        options->truth_method = argument;
-        return 0;
-    case KEY_FROM:
-        options->from = argument;
-        return 0;
-    case KEY_FROM_A:
-        options->from_a = argument;
-        return 0;
-    case KEY_JSON:
-        options->json = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_END:
-        if (options->files.count != 2)
-            argp_error(state, "give two state files: A, then B");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
+/* Photo side, px. Where A's grains started is in its own columns (tracks), else in --from-a; B's is in --from. */
 static int compare_photos(const struct options *options, const struct loaded *a, const struct loaded *b,
                           struct figures *figures)
 {
@@ -88,6 +59,7 @@ static int compare_photos(const struct options *options, const struct loaded *a,
     return result;
 }
 
+/* NULL: the default order, as for A. */
 static const char *truth_method(const struct options *options, const struct packing *b)
 {
     if (options->truth_method || !packing_forces(b, "dem"))
@@ -95,11 +67,13 @@ static const char *truth_method(const struct options *options, const struct pack
     return "dem";
 }
 
+/* The JSON file is written before the table is printed: a failure leaves no table that looks good. */
 static int run(const struct options *options)
 {
     struct loaded a = {0}, b = {0};
     struct figures figures = {.count = 0};
-    int result = loaded_read(options->files.paths[0], &a) || loaded_read(options->files.paths[1], &b) ? -1 : 0;
+    int result =
+        loaded_read(options->cli.inputs.paths[0], &a) || loaded_read(options->cli.inputs.paths[1], &b) ? -1 : 0;
     if (result == 0 && a.is_si != b.is_si)
         result = error_input("%s and %s: one is in px, the other in m: compare files of the same side", a.path, b.path);
     else if (result == 0 && a.is_si)
@@ -125,12 +99,9 @@ static int run(const struct options *options)
 
 int command_compare(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "A.hdf B.hdf", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT};
-    options.cli.needs = 0;
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(0)};
+    const struct program program = {
+        "A.hdf B.hdf", documentation, rows, &options, NULL, 2, 2, "give two state files: A, then B", NULL};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, run(&options));
 }

@@ -1,4 +1,7 @@
-/* report export: options, read, call, write. */
+/* report export: state files as text for other programs.
+ *
+ * A new format is a word of `enum format`, a row, a case of write_one() and a function in report/export/export.h that
+ * prints one state to a stream. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,25 +13,36 @@
 #include "report/states/method_choice.h"
 #include "report/export/text_file.h"
 
+enum format { CSV, XYZ, LAMMPS, LAMMPS_LOCAL, SERIES, CONF, DIC, FORMATS };
+static const char *const tables[] = {"grains", "contacts", "walls", NULL};
+
 struct options {
     struct cli cli;
-    struct cli_inputs files;
-    int format; /* enum key, 0: not given */
-    const char *table, *method;
+    int format[FORMATS]; /* one is 1 */
+    int table;           /* among `tables` */
+    const char *method;
 };
 
-enum { KEY_CSV = 0x2000, KEY_XYZ, KEY_CONF, KEY_DIC, KEY_LAMMPS, KEY_LAMMPS_LOCAL, KEY_SERIES, KEY_TABLE, KEY_METHOD };
-
-static const struct argp_option option_list[] = {
-    {"csv", KEY_CSV, NULL, 0, "A table with units in its heading, for spreadsheets, pandas, MATLAB, Julia", 0},
-    {"xyz", KEY_XYZ, NULL, 0, "Grains as extended XYZ, for OVITO; several files: several frames", 0},
-    {"lammps", KEY_LAMMPS, NULL, 0, "Grains as a LAMMPS dump, for OVITO; several files: several steps", 0},
-    {"lammps-local", KEY_LAMMPS_LOCAL, NULL, 0, "Contacts as a LAMMPS dump local (bonds with fn, ft)", 0},
-    {"series", KEY_SERIES, NULL, 0, "A .hdf.series for ParaView: the files with their times", 0},
-    {"conf", KEY_CONF, NULL, 0, "Grains as CONFnnnn of the original programs (contacts or forces files)", 0},
-    {"dic", KEY_DIC, NULL, 0, "Motions as dic_out_n.txt of the original programs (tracks files)", 0},
-    {"table", KEY_TABLE, "T", 0, "With --csv: grains (default), contacts (with all forces) or walls", 0},
-    {"method", KEY_METHOD, "M", 0, "With --lammps-local: whose forces (default: " METHOD_DEFAULT_ORDER ")", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"csv", NULL, OPTION_SWITCH, AT(format[CSV]),
+     .help = "A table with units in its heading, for spreadsheets, pandas, MATLAB, Julia"},
+    {"xyz", NULL, OPTION_SWITCH, AT(format[XYZ]),
+     .help = "Grains as extended XYZ, for OVITO; several files: several frames"},
+    {"lammps", NULL, OPTION_SWITCH, AT(format[LAMMPS]),
+     .help = "Grains as a LAMMPS dump, for OVITO; several files: several steps"},
+    {"lammps-local", NULL, OPTION_SWITCH, AT(format[LAMMPS_LOCAL]),
+     .help = "Contacts as a LAMMPS dump local (bonds with fn, ft)"},
+    {"series", NULL, OPTION_SWITCH, AT(format[SERIES]),
+     .help = "A .hdf.series for ParaView: the files with their times"},
+    {"conf", NULL, OPTION_SWITCH, AT(format[CONF]),
+     .help = "Grains as CONFnnnn of the original programs (contacts or forces files)"},
+    {"dic", NULL, OPTION_SWITCH, AT(format[DIC]),
+     .help = "Motions as dic_out_n.txt of the original programs (tracks files)"},
+    {"table", NULL, OPTION_CHOICE, AT(table), "T", .words = tables,
+     .help = "With --csv: which table; contacts come with all forces"},
+    {"method", NULL, OPTION_TEXT, AT(method), "M",
+     .help = "With --lammps-local: whose forces (default: " METHOD_DEFAULT_ORDER ")"},
     {0}};
 
 static const char documentation[] =
@@ -40,70 +54,63 @@ static const char documentation[] =
     "  report export --series out/*.forces.hdf -o out/all.hdf.series\n\n"
     "ParaView opens a .forces.hdf as it is, and the .hdf.series as a film with physical times.";
 
-static int takes_many(int format)
+/* The first that was asked for; check() has seen that it is the only one. */
+static enum format format_of(const struct options *options)
 {
-    return format == KEY_XYZ || format == KEY_LAMMPS || format == KEY_LAMMPS_LOCAL || format == KEY_SERIES;
+    int k = 0;
+    while (k < FORMATS && !options->format[k])
+        k++;
+    return (enum format)k;
 }
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+/* Formats with frames or steps; the others hold one state. */
+static int takes_many(enum format format)
 {
-    static const char *const tables[] = {"grains", "contacts", "walls", NULL};
-    struct options *options = state->input;
-    if (key >= KEY_CSV && key <= KEY_SERIES) {
-        if (options->format)
-            argp_error(state, "give one format only");
-        options->format = key;
-        return 0;
-    }
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_TABLE:
-        options->table = tables[cli_choice(state, "--table", argument, tables)];
-        return 0;
-    case KEY_METHOD:
-        options->method = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_END:
-        if (!options->format)
-            argp_error(state, "which format? Give --csv, --xyz, --lammps, --lammps-local, --series, --conf or --dic");
-        if (options->files.count == 0 || (options->files.count > 1 && !takes_many(options->format)))
-            argp_error(state, options->files.count ? "this format takes one state file" : "give a state file");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    return format == XYZ || format == LAMMPS || format == LAMMPS_LOCAL || format == SERIES;
+}
+
+static int check(void *input)
+{
+    const struct options *options = input;
+    int wanted = 0;
+    for (int k = 0; k < FORMATS; k++)
+        wanted += options->format[k];
+    if (wanted == 0)
+        return error_input("which format? Give --csv, --xyz, --lammps, --lammps-local, --series, --conf or --dic");
+    if (wanted > 1)
+        return error_input("give one format only");
+    if (options->cli.inputs.count > 1 && !takes_many(format_of(options)))
+        return error_input("this format takes one state file");
+    return 0;
 }
 
 static int write_one(const struct options *options, const struct loaded *loaded, FILE *stream)
 {
-    switch (options->format) {
-    case KEY_CSV:
-        return export_csv(loaded, options->table, stream);
-    case KEY_XYZ:
+    switch (format_of(options)) {
+    case CSV:
+        return export_csv(loaded, tables[options->table], stream);
+    case XYZ:
         return export_xyz(loaded, stream);
-    case KEY_LAMMPS:
+    case LAMMPS:
         return export_lammps(loaded, stream);
-    case KEY_LAMMPS_LOCAL:
+    case LAMMPS_LOCAL:
         return export_lammps_local(loaded, options->method, stream);
-    case KEY_CONF:
+    case CONF:
         return export_conf(loaded, stream);
     default:
         return export_dic(loaded, stream);
     }
 }
 
+/* A series for ParaView is made of names and times: its states are not read whole. */
 static int write_all(const struct options *options, FILE *stream)
 {
     int result = 0;
-    if (options->format == KEY_SERIES)
-        return export_hdf_series(options->files.paths, options->files.count, options->cli.output, stream);
-    for (size_t k = 0; k < options->files.count && result == 0; k++) {
+    if (options->format[SERIES])
+        return export_hdf_series(options->cli.inputs.paths, options->cli.inputs.count, options->cli.output, stream);
+    for (size_t k = 0; k < options->cli.inputs.count && result == 0; k++) {
         struct loaded loaded;
-        if (loaded_read(options->files.paths[k], &loaded))
+        if (loaded_read(options->cli.inputs.paths[k], &loaded))
             return -1;
         result = write_one(options, &loaded, stream);
         loaded_free(&loaded);
@@ -111,6 +118,7 @@ static int write_all(const struct options *options, FILE *stream)
     return result;
 }
 
+/* Into memory first: an output file is whole or is not there. */
 static int run(const struct options *options)
 {
     char *text = NULL;
@@ -127,12 +135,9 @@ static int run(const struct options *options)
 
 int command_export(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT, .table = "grains"};
-    options.cli.needs = CLI_NEEDS_OUTPUT;
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT)};
+    const struct program program = {"STATE.hdf...", documentation,       rows, &options, NULL, 1,
+                                    CLI_MANY,       "give a state file", check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, run(&options));
 }

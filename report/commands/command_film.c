@@ -1,4 +1,5 @@
-/* report film: options, read, call. */
+/* report film: the force maps of a series as frames that can be shown one after the other: the same view, the same unit
+ * of line width and the same method in all of them (movie.h). */
 #include <math.h>
 
 #include "pipeline/command/cli.h"
@@ -10,18 +11,15 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     struct movie film;
 };
 
-enum { KEY_METHOD = 0x2000, KEY_WIDTH };
-
-static const struct argp_option option_list[] = {
-    {"method", KEY_METHOD, "M", 0,
-     "Which forces (default: one for all frames: series, else map, else the first of qsm, cdm, cem, dem, then others "
-     "by name that converged in all states)",
-     0},
-    {"width", KEY_WIDTH, "PX", 0, "Width of the frames (default 1400)", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"method", NULL, OPTION_TEXT, AT(film.method), "M",
+     .help = "Which forces (default: one for all frames: series, else map, else the first of qsm, cdm, cem, dem, then "
+             "others by name that converged in all states)"},
+    {"width", NULL, OPTION_NUMBER, AT(film.width), "PX", .min = 200, .max = 20000, .help = "Width of the frames"},
     {0}};
 
 static const char documentation[] =
@@ -31,29 +29,7 @@ static const char documentation[] =
     "  report film --method qsm out/*.forces.hdf -o frames\n"
     "  ffmpeg -framerate 5 -pattern_type glob -i 'frames/*.png' -pix_fmt yuv420p film.mp4";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_METHOD:
-        options->film.method = argument;
-        return 0;
-    case KEY_WIDTH:
-        options->film.width = cli_number(state, "--width", argument, 200, 20000);
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "give the state files of the series");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
+/* The scene places the photos behind the forces; without it there are circles. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};
@@ -66,20 +42,18 @@ static int run(const struct options *options)
         film.scene = &scene;
     }
     if (result == 0)
-        result = movie_write(&film, options->files.paths, options->files.count, options->cli.output);
+        result = movie_write(&film, options->cli.inputs.paths, options->cli.inputs.count, options->cli.output);
     scene_free(&scene);
     return result;
 }
 
 int command_film(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT, .film = {.width = FORCE_MAP_WIDTH}};
-    options.cli.needs = CLI_NEEDS_OUTPUT;
-    cli_parse(&parser, argc, argv, &options);
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT), .film = {.width = FORCE_MAP_WIDTH}};
+    const struct program program = {
+        "STATE.hdf...", documentation, rows, &options, NULL, 1, CLI_MANY, "give the state files of the series", NULL};
+    cli_parse(&program, argc, argv);
     int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
     canvas_forget_fonts();
     return status;
 }

@@ -1,4 +1,5 @@
-/* report found: options, read, print. */
+/* report found: frame and radii that findgrains found, as members of a scene: what it had to look for once need not be
+ * looked for again in every photo. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +12,6 @@
 
 struct options {
     struct cli cli;
-    const char *file;
 };
 
 static const char documentation[] =
@@ -21,30 +21,11 @@ static const char documentation[] =
     "Example:\n"
     "  report found 0000.grains.hdf";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (options->file)
-            argp_error(state, "one file at a time: '%s' is one too many", argument);
-        options->file = argument;
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which file? Give one of findgrains");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
+/* On stdout, or into -o. A frame that is missing is said on stderr: stdout is pasted into a scene. */
 static int run(const struct options *options)
 {
     struct found found;
-    if (found_read(options->file, &found))
+    if (found_read(options->cli.inputs.paths[0], &found))
         return -1;
     char *text = found_print(&found);
     if (!text)
@@ -52,13 +33,13 @@ static int run(const struct options *options)
     int status = 0;
     if (!*text)
         status = error_input("%s: neither a frame nor a grain without a flag: look at the picture of findgrains",
-                             options->file);
+                             options->cli.inputs.paths[0]);
     else if (options->cli.output)
         status = text_file_write(options->cli.output, text, strlen(text));
     else
         puts(text);
     if (status == 0 && !found.has_frame && !options->cli.quiet)
-        fprintf(stderr, "report found: %s: %s\n", options->file,
+        fprintf(stderr, "report found: %s: %s\n", options->cli.inputs.paths[0],
                 found.frame_given ? "the scene gave the frame, none was looked for"
                                   : "no frame was found: read its corners off the picture");
     free(text);
@@ -67,10 +48,9 @@ static int run(const struct options *options)
 
 int command_found(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {NULL, parse_option, "N.grains.hdf", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT};
-    options.cli.needs = 0;
-    cli_parse(&parser, argc, argv, &options);
+    struct options options = {.cli = CLI_NEEDING(0)};
+    const struct program program = {
+        "N.grains.hdf", documentation, NULL, &options, NULL, 1, 1, "which file? Give one of findgrains", NULL};
+    cli_parse(&program, argc, argv);
     return cli_finish(&options.cli, run(&options));
 }

@@ -1,4 +1,6 @@
-/* report histogram: options, read, call, draw. */
+/* report histogram: the grey levels of a photo, whether voids and grains can be told apart by a threshold.
+ *
+ * Shares stand in decades upwards: saturated pixels at either end are few, and would not be seen on a linear scale. */
 #include <math.h>
 #include <string.h>
 
@@ -13,43 +15,19 @@
 
 struct options {
     struct cli cli;
-    const char *photo, *grains;
+    const char *grains;
 };
 
-enum { KEY_GRAINS = 0x2000 };
-
-static const struct argp_option option_list[] = {
-    {"grains", KEY_GRAINS, "N.grains.hdf", 0, "Mark the threshold between voids and grains that findgrains took", 0},
-    {0}};
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {{"grains", NULL, OPTION_TEXT, AT(grains), "N.grains.hdf",
+                                          .help = "Mark the threshold between voids and grains that findgrains took"},
+                                         {0}};
 
 static const char documentation[] =
     "Draw the grey levels of a photo, inside the frame of --scene when it has one: share of the pixels in 256 bins, "
     "upwards in decades. Two hills, voids and grains, far apart, and nothing at both ends make a good photo.\v"
     "Example:\n"
     "  report histogram --scene scene.json --grains 0000.grains.hdf photos/0000.tif -o levels.png";
-
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_GRAINS:
-        options->grains = argument;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (options->photo)
-            argp_error(state, "one photo at a time: '%s' is one too many", argument);
-        options->photo = argument;
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which photo? Give one TIFF file");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
 
 /* The threshold in the attribute `found` of a file of findgrains; NaN without a file. */
 static int read_threshold(const char *path, double *threshold)
@@ -72,6 +50,7 @@ static int read_threshold(const char *path, double *threshold)
     return status;
 }
 
+/* Bins in the middle of their levels; the threshold a vertical line from the least to the largest share. */
 static int draw(const struct histogram *histogram, double threshold, const char *path)
 {
     struct chart chart = {
@@ -101,6 +80,7 @@ static int draw(const struct histogram *histogram, double threshold, const char 
     return result;
 }
 
+/* With a scene: its channel and size, and only the pixels inside its frame. */
 static int run(const struct options *options)
 {
     struct scene scene = {0};
@@ -112,7 +92,7 @@ static int run(const struct options *options)
     if (result == 0 && options->cli.scene && (result = scene_read(options->cli.scene, &scene)) == 0)
         request = scene_photo_request(&scene);
     if (result == 0)
-        result = photo_read(options->photo, &request, &photo);
+        result = photo_read(options->cli.inputs.paths[0], &request, &photo);
     if (result == 0) {
         histogram_make(&photo, options->cli.scene ? &scene : NULL, &histogram);
         result = draw(&histogram, threshold, options->cli.output);
@@ -124,11 +104,11 @@ static int run(const struct options *options)
 
 int command_histogram(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "PHOTO.tif", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT};
-    options.cli.needs = CLI_NEEDS_OUTPUT;
-    cli_parse(&parser, argc, argv, &options);
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_OUTPUT)};
+    const struct program program = {
+        "PHOTO.tif", documentation, rows, &options, NULL, 1, 1, "which photo? Give one photo at a time, a TIFF file",
+        NULL};
+    cli_parse(&program, argc, argv);
     int status = cli_finish(&options.cli, run(&options));
     canvas_forget_fonts();
     return status;

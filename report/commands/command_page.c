@@ -1,4 +1,5 @@
-/* report page: options, read, call, write. */
+/* report page: one HTML page about a series, which needs no other file: pictures stand in it. With --pictures
+ * each of them is also written by itself, for slides and papers. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,65 +16,41 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     const char *truth, *pictures, *list;
     int format;
     int maps;
 };
 
-enum { KEY_TRUTH = 0x2000, KEY_MAPS, KEY_PICTURES, KEY_FORMAT, KEY_LIST };
 static const char *const formats[] = {"svg", "pdf", "png", NULL};
 
-static const struct argp_option option_list[] = {
-    {"truth", KEY_TRUTH, "DIR", 0, "Compare with DIR/NAME.truth.hdf and DIR/NAME.photo-truth.hdf (virtual tests)", 0},
-    {"maps", KEY_MAPS, "N", 0, "Draw force maps of N states at most, spread over the series (default 6)", 0},
-    {"pictures", KEY_PICTURES, "DIR", 0, "Also write every curve, rose and map of the page as a file into DIR", 0},
-    {"format", KEY_FORMAT, "svg|pdf|png", 0, "Their format (default svg)", 0},
-    {"list", KEY_LIST, "FILE", 0, "Further state files: their paths, one per line", 0},
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"truth", NULL, OPTION_TEXT, AT(truth), "DIR",
+     .help = "Compare with DIR/NAME.truth.hdf and DIR/NAME.photo-truth.hdf (virtual tests)"},
+    {"maps", NULL, OPTION_WHOLE, AT(maps), "N", .max = 10000,
+     .help = "Draw force maps of N states at most, spread over the series"},
+    {"pictures", NULL, OPTION_TEXT, AT(pictures), "DIR",
+     .help = "Also write every curve, rose and map of the page as a file into DIR"},
+    {"format", NULL, OPTION_CHOICE, AT(format), "svg|pdf|png", .words = formats, .help = "Their format"},
+    {"list", NULL, OPTION_TEXT, AT(list), "FILE", .help = "Further state files: their paths, one per line"},
     {0}};
 
 static const char documentation[] =
     "Write one HTML page about a series: warnings first, counts and flags per photo, standard errors, contacts, "
-    "applied "
-    "against Weber stress, force maps, inputs with their hashes. The page needs nothing else: no script, no network.\v"
-    "Give the files of all stages in any order; files belong to one state when their names begin alike up to the first "
-    "dot.\n\n"
+    "applied against Weber stress, force maps, inputs with their hashes. The page needs nothing else: no script, no "
+    "network.\v"
+    "Give the files of all stages in any order; files belong to one state when their names begin alike up to the "
+    "first dot.\n\n"
     "Example:\n"
     "  report page --scene scene.json -o report.html out/*.grains.hdf out/*.tracks.hdf out/*.forces.hdf";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case KEY_TRUTH:
-        options->truth = argument;
-        return 0;
-    case KEY_MAPS:
-        options->maps = (int)cli_number(state, "--maps", argument, 0, 10000);
-        return 0;
-    case KEY_PICTURES:
-        options->pictures = argument;
-        return 0;
-    case KEY_FORMAT:
-        options->format = cli_choice(state, "--format", argument, formats);
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case KEY_LIST:
-        options->list = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (options->files.count == 0 && !options->list)
-            argp_error(state, "give the state files of the series");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const struct options *options = input;
+    return options->cli.inputs.count || options->list ? 0 : error_input("give the state files of the series");
 }
 
+/* The page is made in memory: it appears whole. Pictures are files of their own as they are drawn. */
 static int write_page(const struct options *options, const struct page *page, const struct series *series)
 {
     struct html html;
@@ -92,13 +69,14 @@ static int write_page(const struct options *options, const struct page *page, co
     return result;
 }
 
+/* The page links to files that lie beside it, so it is told the folder in which it will lie. */
 static int run(struct options *options)
 {
     struct scene scene = {0};
     struct series series = {0};
     struct page page = {.truth_folder = options->truth, .maps = options->maps};
-    int result = scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->files, options->list) ||
-                         series_read(options->files.paths, options->files.count, &series)
+    int result = scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->cli.inputs, options->list) ||
+                         series_read(options->cli.inputs.paths, options->cli.inputs.count, &series)
                      ? -1
                      : 0;
     char *folder = strdup(options->cli.output);
@@ -118,12 +96,10 @@ static int run(struct options *options)
 
 int command_page(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
     struct options options = {.cli = CLI_DEFAULT, .maps = PAGE_MAPS};
-    cli_parse(&parser, argc, argv, &options);
+    const struct program program = {"STATE.hdf...", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
+    cli_parse(&program, argc, argv);
     int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
     canvas_forget_fonts();
     return status;
 }

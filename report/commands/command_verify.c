@@ -1,4 +1,5 @@
-/* report verify: options, read, call. */
+/* report verify: are state files whole, and made of what lies on the disk now? Each file holds the SHA-256 of
+ * everything that it was made from; the digests are compared in verify.h. */
 #include <stdio.h>
 
 #include "pipeline/command/cli.h"
@@ -9,50 +10,35 @@
 
 struct options {
     struct cli cli;
-    struct cli_inputs files;
     const char *list;
 };
 
-enum { KEY_LIST = 0x2000 };
-
-static const struct argp_option option_list[] = {
-    {"list", KEY_LIST, "FILE", 0, "Further state files: their paths, one per line", 0}, {0}};
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"list", NULL, OPTION_TEXT, AT(list), "FILE", .help = "Further state files: their paths, one per line"}, {0}};
 
 static const char documentation[] =
-    "Read state files whole (every column has a checksum) and compare the SHA-256 of everything that each one was made "
-    "from with what lies on the disk now: state files beside it, photos, lens and loads of the scene, and the part of "
-    "the scene that the stage reads. Prints one line per difference; status 3 when there is one.\v"
+    "Read state files whole (every column has a checksum) and compare the SHA-256 of everything that each one was "
+    "made from with what lies on the disk now: state files beside it, photos, lens and loads of the scene, and the "
+    "part of the scene that the stage reads. Prints one line per difference; status 3 when there is one.\v"
     "Example:\n"
     "  report verify --scene scene.json results/*.hdf";
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
+static int check(void *input)
 {
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        return 0;
-    case ARGP_KEY_ARG:
-        return cli_inputs_add(&options->files, argument) ? ENOMEM : 0;
-    case KEY_LIST:
-        options->list = argument;
-        return 0;
-    case ARGP_KEY_END:
-        if (options->files.count == 0 && !options->list)
-            argp_error(state, "give the state files to verify");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const struct options *options = input;
+    return options->cli.inputs.count || options->list ? 0 : error_input("give the state files to verify");
 }
 
+/* Differences are data, on stdout; that there are some is an error, for drivers. */
 static int run(struct options *options)
 {
     struct scene scene = {0};
     struct verify_count found = {0};
-    int result = scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->files, options->list) ? -1 : 0;
+    int result =
+        scene_read(options->cli.scene, &scene) || cli_inputs_read(&options->cli.inputs, options->list) ? -1 : 0;
     if (result == 0)
-        result = verify_files(&scene, options->files.paths, options->files.count, stdout, &found);
+        result = verify_files(&scene, options->cli.inputs.paths, options->cli.inputs.count, stdout, &found);
     if (result == 0 && found.wrong)
         result = error_input("%zu differences in %zu files of %zu inputs: make the files named above again",
                              found.wrong, found.files, found.inputs);
@@ -64,12 +50,8 @@ static int run(struct options *options)
 
 int command_verify(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp parser = {option_list, parse_option, "STATE.hdf...", documentation, children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT};
-    options.cli.needs = CLI_NEEDS_SCENE;
-    cli_parse(&parser, argc, argv, &options);
-    int status = cli_finish(&options.cli, run(&options));
-    cli_inputs_free(&options.files);
-    return status;
+    struct options options = {.cli = CLI_NEEDING(CLI_NEEDS_SCENE)};
+    const struct program program = {"STATE.hdf...", documentation, rows, &options, NULL, 0, CLI_MANY, NULL, check};
+    cli_parse(&program, argc, argv);
+    return cli_finish(&options.cli, run(&options));
 }

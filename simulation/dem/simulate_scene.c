@@ -1,3 +1,5 @@
+/* Numbers and words are rows of one table; lists (grading, discs, steps), and what two keys tell together, are read and
+ * checked by the functions before it. Everything is judged before the first time step: a simulation can take hours. */
 #include "simulation/dem/simulate_scene.h"
 
 #include <float.h>
@@ -5,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/loading.h"
 
@@ -40,6 +43,7 @@ static int read_rows(const struct json *json, const cJSON *section, const char *
     return 1;
 }
 
+/* Rows [count, diameter in m]. */
 static int read_grading(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     double(*rows)[2] = NULL, total = 0;
@@ -82,6 +86,7 @@ static int read_disc(const struct json *json, const cJSON *item, struct placed_d
     return 0;
 }
 
+/* Discs placed one by one, m; box_m puts walls around them. */
 static int read_discs(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     const cJSON *list = NULL, *item;
@@ -128,6 +133,7 @@ static int check_stresses(const struct scene *scene, const cJSON *section, const
     return 0;
 }
 
+/* Strains, stresses or cycles, as the test goes; a row is [count, amount]. */
 static int read_steps(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     struct simulation *simulation = &plan->simulation;
@@ -166,66 +172,34 @@ static int read_steps(const struct scene *scene, const cJSON *section, struct si
 }
 
 /* kappa (linear law), or pressure_Pa with the rods' length; discs may also be held by gravity and loads alone. */
-static int read_pressure(const struct scene *scene, const cJSON *section, struct simulation *simulation)
+static int complete_pressure(const struct scene *scene, const cJSON *section, struct simulation *simulation)
 {
-    double pressure = NAN;
-    int linear = contact_law_row(&simulation->law)->linear;
-    int kappa = json_number(scene->json, section, "kappa", 1, 1e9, &simulation->kappa);
-    int pascal = kappa < 0 ? -1 : json_number(scene->json, section, "pressure_Pa", DBL_MIN, 1e15, &pressure);
-    if (pascal < 0)
-        return -1;
+    int kappa = !isnan(simulation->kappa), pascal = !isnan(simulation->pressure);
     if (kappa + pascal != 1 && (kappa || !simulation->disc_count))
         return json_error(scene->json, section,
                           "how strongly is the packing compressed? Write \"kappa\" or "
                           "\"pressure_Pa\" (one of them) in 'simulation'");
-    if (kappa && !linear)
+    if (kappa && !contact_law_row(&simulation->law)->linear)
         return json_error(scene->json, section, "kappa is kn / p and this law has no kn: write \"pressure_Pa\"");
     if (pascal && isnan(scene->grains.length))
         return scene_lacks(scene, "grains.length_m", "simulate needs it with pressure_Pa");
     if (pascal)
-        simulation->pressure = pressure * scene->grains.length;
-    if (pascal && linear && simulation->law.kn < simulation->pressure)
+        simulation->pressure *= scene->grains.length;
+    if (pascal && contact_law_row(&simulation->law)->linear && simulation->law.kn < simulation->pressure)
         return json_error(scene->json, section, "kappa = kn / p is %g: lower the pressure, discs would be crushed flat",
                           simulation->law.kn / simulation->pressure);
     return 0;
 }
 
-static int read_numbers(const struct scene *scene, const cJSON *section, struct simulation *simulation)
+/* No default: half a swing of the stress is what the test is about. */
+static int check_test(const struct scene *scene, const cJSON *section, const struct simulation *simulation)
 {
-    const struct json *json = scene->json;
-    long seed = SIMULATION_SEED, max_steps = SIMULATION_MAX_STEPS;
-    if (json_integer(json, section, "seed", 0, 1L << 53, &seed) < 0 ||
-        json_integer(json, section, "max_steps", 1, 1000000000, &max_steps) < 0 ||
-        json_number(json, section, "aspect", 0.05, 20, &simulation->aspect) < 0 ||
-        json_number(json, section, "friction_during_compression", 0, 10, &simulation->preparation_mu) < 0 ||
-        json_number(json, section, "restitution", SIMULATION_RESTITUTION_MIN, 1, &simulation->restitution) < 0 ||
-        json_number(json, section, "inertial_number", 1e-8, 0.1, &simulation->inertial) < 0 ||
-        json_number(json, section, "time_step", 1e-4, SIMULATION_TIME_STEP_MAX, &simulation->time_step) < 0 ||
-        json_number(json, section, "tolerance", 1e-12, 1e-6, &simulation->tolerance) < 0 ||
-        json_number(json, section, "corner_radius_m", 1e-9, 1e6, &simulation->corner_radius) < 0)
-        return -1;
-    simulation->seed = (uint64_t)seed;
-    simulation->max_steps = max_steps;
-    return 0;
-}
-
-static int read_test(const struct scene *scene, const cJSON *section, struct simulation *simulation)
-{
-    static const char *const rest[] = {"strain", "stress", NULL}, *const lateral[] = {"pressure", "fixed", NULL};
-    int test = TEST_ISOTROPIC;
-    if (json_choice(scene->json, section, "test", LOADING_TEST_NAMES, &test) < 0 ||
-        json_choice(scene->json, section, "relax_at", rest, &simulation->relax_at_stress) < 0 ||
-        json_choice(scene->json, section, "lateral", lateral, &simulation->lateral_fixed) < 0)
-        return -1;
-    simulation->test = (enum loading_test)test;
-    int amplitude = json_number(scene->json, section, "stress_amplitude", 0, 0.999, &simulation->amplitude);
-    if (amplitude < 0)
-        return -1;
-    if (test == TEST_CYCLIC && !amplitude)
+    if (simulation->test == TEST_CYCLIC && !cJSON_GetObjectItemCaseSensitive(section, "stress_amplitude"))
         return json_error(scene->json, section, "test 'cyclic' needs \"stress_amplitude\" (over the pressure)");
     return 0;
 }
 
+/* What is left out is not modelled, but without these there is no motion. */
 static int check_needs(const struct scene *scene, const cJSON *section)
 {
     if (!section)
@@ -239,34 +213,41 @@ static int check_needs(const struct scene *scene, const cJSON *section)
     return 0;
 }
 
+static const char *const rests[] = {"strain", "stress", NULL};
+static const char *const laterals[] = {"pressure", "fixed", NULL};
+
+#define AT(field) .at = offsetof(struct simulation, field)
+/* pressure_Pa goes into `pressure` as it is; complete_pressure() makes it N/m, the unit of stresses in the plane. */
+static const struct option_row rows[] = {
+    {NULL, "seed", OPTION_LONG, AT(seed), .max = 0x1p53},
+    {NULL, "max_steps", OPTION_LONG, AT(max_steps), .min = 1, .max = 1e9},
+    {NULL, "aspect", OPTION_NUMBER, AT(aspect), .min = 0.05, .max = 20},
+    {NULL, "kappa", OPTION_NUMBER, AT(kappa), .min = 1, .max = 1e9},
+    {NULL, "pressure_Pa", OPTION_NUMBER, AT(pressure), .min = DBL_MIN, .max = 1e15},
+    {NULL, "friction_during_compression", OPTION_NUMBER, AT(preparation_mu), .max = 10},
+    {NULL, "restitution", OPTION_NUMBER, AT(restitution), .min = SIMULATION_RESTITUTION_MIN, .max = 1},
+    {NULL, "inertial_number", OPTION_NUMBER, AT(inertial), .min = 1e-8, .max = 0.1},
+    {NULL, "time_step", OPTION_NUMBER, AT(time_step), .min = 1e-4, .max = SIMULATION_TIME_STEP_MAX},
+    {NULL, "tolerance", OPTION_NUMBER, AT(tolerance), .min = 1e-12, .max = 1e-6},
+    {NULL, "corner_radius_m", OPTION_NUMBER, AT(corner_radius), .min = 1e-9, .max = 1e6},
+    {NULL, "test", OPTION_CHOICE, AT(test), .words = LOADING_TEST_NAMES},
+    {NULL, "relax_at", OPTION_CHOICE, AT(relax_at_stress), .words = rests},
+    {NULL, "lateral", OPTION_CHOICE, AT(lateral_fixed), .words = laterals},
+    {NULL, "stress_amplitude", OPTION_NUMBER, AT(amplitude), .max = 0.999},
+    {NULL, "grading", .type = OPTION_ELSE},
+    {NULL, "discs", .type = OPTION_ELSE},
+    {NULL, "box_m", .type = OPTION_ELSE},
+    {NULL, "steps", .type = OPTION_ELSE},
+    {NULL, "stress_steps", .type = OPTION_ELSE},
+    {NULL, "cycles", .type = OPTION_ELSE},
+    {0}};
+
 static int read_section(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
-    static const char *const keys[] = {"seed",
-                                       "grading",
-                                       "discs",
-                                       "box_m",
-                                       "aspect",
-                                       "kappa",
-                                       "pressure_Pa",
-                                       "friction_during_compression",
-                                       "restitution",
-                                       "inertial_number",
-                                       "time_step",
-                                       "tolerance",
-                                       "max_steps",
-                                       "test",
-                                       "steps",
-                                       "stress_steps",
-                                       "cycles",
-                                       "lateral",
-                                       "relax_at",
-                                       "stress_amplitude",
-                                       "corner_radius_m",
-                                       NULL};
     struct simulation *simulation = &plan->simulation;
-    if (json_check_keys(scene->json, section, keys) || read_numbers(scene, section, simulation) ||
-        read_grains(scene, section, plan) || read_pressure(scene, section, simulation) ||
-        read_test(scene, section, simulation) || read_steps(scene, section, plan))
+    if (options_read(rows, scene, "simulation", 0, simulation) || read_grains(scene, section, plan) ||
+        complete_pressure(scene, section, simulation) || check_test(scene, section, simulation) ||
+        read_steps(scene, section, plan))
         return -1;
     if (simulation->preparation_mu > simulation->law.mu)
         return json_error(scene->json, section, "friction_during_compression %g is above contact.mu %g: lower it",

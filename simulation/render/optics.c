@@ -1,12 +1,14 @@
-/* Reading the scene's section "optics". What it does not name stays at OPTICS_DEFAULT; unknown keys and numbers outside
- * their ranges are refused with line and column (pipeline/files/json.h). */
+/* The look of a photo as a table of rows; dots in a key are groups of the section. Lists (paint, labels) are read by
+ * functions of their own. */
 #include "simulation/render/optics.h"
 
 #include <stdlib.h>
 
+#include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
+/* [low, high] in that order, both within [min, max]. */
 static int read_range(const struct json *json, const cJSON *object, const char *key, double min, double max,
                       double *low, double *high)
 {
@@ -22,6 +24,7 @@ static int read_range(const struct json *json, const cJSON *object, const char *
     return 1;
 }
 
+/* All three keys are needed: a paint without one of them would be invisible, or everywhere. */
 static int read_paint(const struct json *json, const cJSON *object, struct paint *paint)
 {
     static const char *const keys[] = {"radius_px", "coverage", "level", NULL};
@@ -39,6 +42,7 @@ static int read_paint(const struct json *json, const cJSON *object, struct paint
     return 0;
 }
 
+/* A list replaces the surface's default paints, an empty one removes them. */
 static int read_paints(const struct json *json, const cJSON *object, struct surface *surface)
 {
     const cJSON *list = NULL, *item;
@@ -52,71 +56,7 @@ static int read_paints(const struct json *json, const cJSON *object, struct surf
     return 0;
 }
 
-/* The keys that every surface has. */
-static int read_surface(const struct json *json, const cJSON *object, struct surface *surface)
-{
-    if (json_number(json, object, "level", 0, 2, &surface->level) < 0)
-        return -1;
-    return read_paints(json, object, surface) < 0 ? -1 : 0;
-}
-
-static int read_plain(const struct json *json, const cJSON *optics, const char *name, struct surface *surface)
-{
-    static const char *const keys[] = {"level", "paint", NULL};
-    const cJSON *object = NULL;
-    int there = json_object(json, optics, name, &object);
-    if (there < 1)
-        return there;
-    return json_check_keys(json, object, keys) ? -1 : read_surface(json, object, surface);
-}
-
-/* A number of a section: where it goes, and its range. */
-struct number {
-    const char *key;
-    double min, max, *to;
-};
-enum { NUMBERS_MOST = 8 };
-
-/* The object `name` of the parent, which has these numbers, each of which may be missing, and no other key. 1 when it
- * is there, 0 when not, -1 for an error. */
-static int read_numbers_of(const struct json *json, const cJSON *parent, const char *name, const struct number *numbers,
-                           size_t count)
-{
-    const char *keys[NUMBERS_MOST + 1] = {NULL};
-    const cJSON *object = NULL;
-    int there = json_object(json, parent, name, &object);
-    if (there < 1)
-        return there;
-    for (size_t k = 0; k < count; k++)
-        keys[k] = numbers[k].key;
-    if (json_check_keys(json, object, keys))
-        return -1;
-    for (size_t k = 0; k < count; k++)
-        if (json_number(json, object, numbers[k].key, numbers[k].min, numbers[k].max, numbers[k].to) < 0)
-            return -1;
-    return 1;
-}
-
-/* What the faces of the rods look like beside their paint. */
-static int read_looks(const struct json *json, const cJSON *grain, struct optics *optics)
-{
-    const struct number rings[] = {{"spacing_px", 1, 1000, &optics->ring_spacing},
-                                   {"contrast", 0, 1, &optics->ring_contrast}};
-    const struct number bevel[] = {{"width_px", 0.1, 100, &optics->bevel_width}, {"depth", 0, 1, &optics->bevel_depth}};
-    const struct number lines[] = {{"share", 0, 1, &optics->line_share},
-                                   {"width_px", 0.1, 100, &optics->line_width},
-                                   {"level", 0, 2, &optics->line_level}};
-    const struct number flank[] = {{"parallax", 0, 0.2, &optics->parallax}, {"level", 0, 2, &optics->flank_level}};
-    int there = read_numbers_of(json, grain, "rings", rings, 2);
-    if (there > 0 && optics->ring_contrast > 0 && optics->ring_spacing <= 0)
-        return json_error(json, cJSON_GetObjectItemCaseSensitive(grain, "rings"), "rings need spacing_px");
-    return there < 0 || read_numbers_of(json, grain, "bevel", bevel, 2) < 0 ||
-                   read_numbers_of(json, grain, "lines", lines, 3) < 0 ||
-                   read_numbers_of(json, grain, "flank", flank, 2) < 0
-               ? -1
-               : 0;
-}
-
+/* Rectangles [x0, y0, x1, y1], px. */
 static int read_labels(const struct json *json, const cJSON *section, struct optics *optics)
 {
     const cJSON *list = NULL, *item;
@@ -140,55 +80,8 @@ static int read_labels(const struct json *json, const cJSON *section, struct opt
     return 0;
 }
 
-static int read_grain(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    static const char *const keys[] = {"level", "spread", "paint",       "rings", "bevel",
-                                       "lines", "flank",  "ellipticity", NULL};
-    const cJSON *grain = NULL;
-    int there = json_object(json, section, "grain", &grain);
-    if (there < 1)
-        return there;
-    if (json_check_keys(json, grain, keys) || read_surface(json, grain, &optics->grain) ||
-        json_number(json, grain, "spread", 0, 0.5, &optics->grain.spread) < 0 ||
-        json_number(json, grain, "ellipticity", 0, 0.2, &optics->ellipticity) < 0)
-        return -1;
-    return read_looks(json, grain, optics);
-}
-
-static int read_noise(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    const struct number noise[] = {{"read", 0, 1, &optics->read_noise}, {"shot", 0, 1, &optics->shot_noise}};
-    return read_numbers_of(json, section, "noise", noise, 2) < 0 ? -1 : 0;
-}
-
-static int read_camera(const struct json *json, const cJSON *section, struct view *wander)
-{
-    const struct number camera[] = {{"shift_px", 0, 1000, &wander->dx},
-                                    {"angle_rad", 0, 0.1, &wander->angle},
-                                    {"zoom", 0, 0.1, &wander->zoom},
-                                    {"blur_px", 0, 5, &wander->blur},
-                                    {"brightness", 0, 0.2, &wander->brightness}};
-    int there = read_numbers_of(json, section, "camera", camera, 5);
-    if (there > 0)
-        wander->dy = wander->dx;
-    return there < 0 ? -1 : 0;
-}
-
-static int read_numbers(const struct json *json, const cJSON *section, struct optics *optics)
-{
-    long seed = (long)optics->seed, bits = optics->bits;
-    if (json_integer(json, section, "seed", 0, 1L << 53, &seed) < 0 ||
-        json_integer(json, section, "bits", 4, 16, &bits) < 0 ||
-        json_number(json, section, "psf_px", OPTICS_PSF_MIN, 50, &optics->psf) < 0 ||
-        json_number(json, section, "exposure", 0.01, 100, &optics->exposure) < 0 ||
-        json_number(json, section, "shading", 0, 1, &optics->shading) < 0 ||
-        json_number(json, section, "frame_width_px", 0, 1e5, &optics->frame_width) < 0)
-        return -1;
-    optics->seed = (uint64_t)seed;
-    optics->bits = (int)bits;
-    return 0;
-}
-
+/* The camera stands still for the reference photo; elsewhere each motion is a normal number that depends on seed and
+ * index alone, so that any photo can be drawn by itself. */
 struct view optics_view(const struct optics *optics, long index, long reference)
 {
     const struct view *wander = &optics->wander;
@@ -210,34 +103,81 @@ void optics_free(struct optics *optics)
     optics->label_count = 0;
 }
 
-static int read_plains(const struct json *json, const cJSON *section, struct optics *optics)
+#define AT(field) .at = offsetof(struct optics, field)
+#define SURFACE(key, field)                                                                                            \
+    {NULL, key ".level", OPTION_NUMBER, AT(field.level), .max = 2},                                                    \
+    {                                                                                                                  \
+        NULL, key ".paint", .type = OPTION_ELSE                                                                        \
+    }
+/* Lengths in px, levels as shares of full scale, noise as standard deviations of them (optics.h). */
+static const struct option_row rows[] = {
+    {NULL, "seed", OPTION_LONG, AT(seed), .max = 0x1p53},
+    {NULL, "bits", OPTION_WHOLE, AT(bits), .min = 4, .max = 16},
+    {NULL, "psf_px", OPTION_NUMBER, AT(psf), .min = OPTICS_PSF_MIN, .max = 50},
+    {NULL, "exposure", OPTION_NUMBER, AT(exposure), .min = 0.01, .max = 100},
+    {NULL, "shading", OPTION_NUMBER, AT(shading), .max = 1},
+    {NULL, "frame_width_px", OPTION_NUMBER, AT(frame_width), .max = 1e5},
+    {NULL, "noise.read", OPTION_NUMBER, AT(read_noise), .max = 1},
+    {NULL, "noise.shot", OPTION_NUMBER, AT(shot_noise), .max = 1},
+    {NULL, "camera.shift_px", OPTION_NUMBER, AT(wander.dx), .max = 1000},
+    {NULL, "camera.angle_rad", OPTION_NUMBER, AT(wander.angle), .max = 0.1},
+    {NULL, "camera.zoom", OPTION_NUMBER, AT(wander.zoom), .max = 0.1},
+    {NULL, "camera.blur_px", OPTION_NUMBER, AT(wander.blur), .max = 5},
+    {NULL, "camera.brightness", OPTION_NUMBER, AT(wander.brightness), .max = 0.2},
+    {NULL, "grain.spread", OPTION_NUMBER, AT(grain.spread), .max = 0.5},
+    {NULL, "grain.ellipticity", OPTION_NUMBER, AT(ellipticity), .max = 0.2},
+    {NULL, "grain.rings.spacing_px", OPTION_NUMBER, AT(ring_spacing), .min = 1, .max = 1000},
+    {NULL, "grain.rings.contrast", OPTION_NUMBER, AT(ring_contrast), .max = 1},
+    {NULL, "grain.bevel.width_px", OPTION_NUMBER, AT(bevel_width), .min = 0.1, .max = 100},
+    {NULL, "grain.bevel.depth", OPTION_NUMBER, AT(bevel_depth), .max = 1},
+    {NULL, "grain.lines.share", OPTION_NUMBER, AT(line_share), .max = 1},
+    {NULL, "grain.lines.width_px", OPTION_NUMBER, AT(line_width), .min = 0.1, .max = 100},
+    {NULL, "grain.lines.level", OPTION_NUMBER, AT(line_level), .max = 2},
+    {NULL, "grain.flank.parallax", OPTION_NUMBER, AT(parallax), .max = 0.2},
+    {NULL, "grain.flank.level", OPTION_NUMBER, AT(flank_level), .max = 2},
+    SURFACE("grain", grain),
+    SURFACE("void", hollow),
+    SURFACE("frame", frame),
+    SURFACE("outside", outside),
+    SURFACE("hinge", hinge),
+    SURFACE("paper", paper),
+    SURFACE("marker", marker),
+    SURFACE("label", label),
+    {NULL, "labels_px", .type = OPTION_ELSE},
+    {0}};
+
+/* The lists of paint of all surfaces, each where the scene has one. */
+static int read_surfaces(const struct json *json, const cJSON *section, struct optics *optics)
 {
-    struct {
+    const struct {
         const char *name;
         struct surface *surface;
-    } plain[] = {{"void", &optics->hollow}, {"frame", &optics->frame}, {"outside", &optics->outside},
-                 {"hinge", &optics->hinge}, {"paper", &optics->paper}, {"marker", &optics->marker},
-                 {"label", &optics->label}};
-    for (size_t k = 0; k < sizeof plain / sizeof *plain; k++)
-        if (read_plain(json, section, plain[k].name, plain[k].surface) < 0)
+    } all[] = {{"grain", &optics->grain},     {"void", &optics->hollow}, {"frame", &optics->frame},
+               {"outside", &optics->outside}, {"hinge", &optics->hinge}, {"paper", &optics->paper},
+               {"marker", &optics->marker},   {"label", &optics->label}};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        const cJSON *object = NULL;
+        if (json_object(json, section, all[k].name, &object) > 0 && read_paints(json, object, all[k].surface) < 0)
             return -1;
+    }
     return 0;
+}
+
+/* What two keys tell together, and lists. */
+/* The camera shifts alike in both directions. */
+static int read_rest(const struct json *json, const cJSON *section, struct optics *optics)
+{
+    if (optics->ring_contrast > 0 && optics->ring_spacing <= 0)
+        return json_error(json, cJSON_GetObjectItemCaseSensitive(section, "grain"), "rings need spacing_px");
+    optics->wander.dy = optics->wander.dx;
+    return read_labels(json, section, optics) || read_surfaces(json, section, optics) ? -1 : 0;
 }
 
 int optics_read(const struct scene *scene, struct optics *optics)
 {
-    static const char *const keys[] = {"seed",           "psf_px", "bits",   "noise", "exposure",  "shading",
-                                       "frame_width_px", "camera", "grain",  "void",  "frame",     "outside",
-                                       "hinge",          "paper",  "marker", "label", "labels_px", NULL};
-    *optics = (struct optics)OPTICS_DEFAULT;
-    const struct json *json = scene->json;
     const cJSON *section = scene_section(scene, "optics");
-    if (!section)
-        return 0;
-    if (json_check_keys(json, section, keys) == 0 && read_numbers(json, section, optics) == 0 &&
-        read_noise(json, section, optics) == 0 && read_camera(json, section, &optics->wander) == 0 &&
-        read_grain(json, section, optics) == 0 && read_labels(json, section, optics) == 0 &&
-        read_plains(json, section, optics) == 0)
+    *optics = (struct optics)OPTICS_DEFAULT;
+    if (!section || (!options_read(rows, scene, "optics", 0, optics) && !read_rest(scene->json, section, optics)))
         return 0;
     optics_free(optics);
     return -1;

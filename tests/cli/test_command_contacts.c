@@ -159,7 +159,7 @@ static void wrong_presses_are_refused(void **state)
     command_fails(3, "rod 5: photo 0 has 2 grains", STIFFNESS "index.csv --rods 0,5 -o no.json ??.tracks.hdf");
     command_fails(3, "usable photo", STIFFNESS "index.csv -o no.json 00.tracks.hdf");
     command_fails(3, "missing.hdf", STIFFNESS "index.csv -o no.json missing.hdf");
-    command_fails(2, "--rods '1,1'", STIFFNESS "index.csv --rods 1,1 -o no.json ??.tracks.hdf");
+    command_fails(2, "--rods 1,1", STIFFNESS "index.csv --rods 1,1 -o no.json ??.tracks.hdf");
     command_fails(2, "which photos?", STIFFNESS "index.csv -o no.json");
     command_fails(2, "with --record", "calibration stiffness --scene scene.json -o no.json 00.tracks.hdf");
     assert_false(file_exists("no.json"));

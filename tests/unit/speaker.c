@@ -11,39 +11,68 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/speak/progress.h"
 
+/* One member of each type. */
 struct options {
     struct cli cli;
     double size;
-    int colour;
-    const char *work;
-    struct cli_inputs inputs;
+    int count;
+    long many;
+    int loud, colour;
+    double scale;
+    int scale_auto;
+    int pair[2];
+    double depth;
+    const char *work, *written;
+    struct cli_inputs list;
 };
 
-static error_t parse(int key, char *argument, struct argp_state *state)
+static int parse_pair(const char *text, void *member)
 {
-    static const char *const colours[] = {"red", "green", NULL};
-    struct options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->cli;
-        break;
-    case 's':
-        options->size = cli_number(state, "--size", argument, 0, 10);
-        break;
-    case 'c':
-        options->colour = cli_choice(state, "--colour", argument, colours);
-        break;
-    case 'w':
-        options->work = argument;
-        break;
-    case ARGP_KEY_ARG:
-        if (cli_inputs_add(&options->inputs, argument))
-            return ENOMEM;
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+    int *pair = member;
+    return sscanf(text, "%d,%d", &pair[0], &pair[1]) == 2 ? 0 : error_input("give two numbers, I,J");
+}
+
+static const char *const colours[] = {"red", "green", NULL};
+
+#define AT(field) .at = offsetof(struct options, field)
+static const struct option_row rows[] = {
+    {"size", "size", OPTION_NUMBER, AT(size), "S", .max = 10, .letter = 's', .help = "Size"},
+    {"count", "count", OPTION_WHOLE, AT(count), "N", .min = 2, .max = 100, .zero = 1, .help = "Draws"},
+    {"many", "group.many", OPTION_LONG, AT(many), "N", .max = 0x1p53, .help = "Many"},
+    {"loud", "loud", OPTION_SWITCH, AT(loud), .help = "Speak up"},
+    {"colour", "colour", OPTION_CHOICE, AT(colour), "C", .words = colours, .letter = 'c', .help = "Colour"},
+    {"scale", "group.scale", OPTION_NUMBER, AT(scale), "X|auto", .min = 0.5, .max = 2,
+     .automatic = offsetof(struct options, scale_auto), .help = "Scale"},
+    {"pair", "pair", OPTION_TEXT, AT(pair), "I,J", .parse = parse_pair, .help = "Two"},
+    {NULL, "group.inner.depth", OPTION_NUMBER, AT(depth), .min = 1, .max = 9},
+    {NULL, "elsewhere", .type = OPTION_ELSE},
+    {"work", NULL, OPTION_TEXT, AT(work), "W", .letter = 'w', .help = "What to do"},
+    {"written", NULL, OPTION_OUTPUT, AT(written), "FILE", .help = "A second output"},
+    {"list", NULL, OPTION_LIST, AT(list), "FILE", .help = "More files"},
+    {0}};
+
+/* Judged on the command line, and again with the scene. */
+static int check(void *input)
+{
+    const struct options *options = input;
+    return options->count > 50 && options->loud ? error_input("count above 50 and loud: give one of them") : 0;
+}
+
+/* `speaker --work scene`: what the command line and the section "tracker" come to together. */
+static int speak_scene(struct options *options)
+{
+    struct scene scene;
+    int status =
+        scene_read(options->cli.scene, &scene) || options_read(rows, &scene, "tracker", options->cli.given, options);
+    if (!status && check(options))
+        status = error_context("%s", scene.path);
+    if (!status)
+        printf("size=%g count=%d many=%ld loud=%d colour=%s scale=%g%s pair=%d,%d depth=%g list=%zu\n", options->size,
+               options->count, options->many, options->loud, colours[options->colour], options->scale,
+               options->scale_auto ? " auto" : "", options->pair[0], options->pair[1], options->depth,
+               options->list.count);
+    scene_free(&scene);
+    return status ? -1 : 0;
 }
 
 static void count_to(size_t total)
@@ -72,13 +101,15 @@ static void print_with_a_hole(void)
     close(out);
 }
 
-static int work(const struct options *options)
+static int work(struct options *options)
 {
     if (!options->work) {
         printf("size=%g colour=%d threads=%d inputs=%zu\n", options->size, options->colour, omp_get_max_threads(),
-               options->inputs.count);
+               options->cli.inputs.count);
         return 0;
     }
+    if (!strcmp(options->work, "scene"))
+        return speak_scene(options);
     if (!strcmp(options->work, "input"))
         return error_input("a.tif: two\nlines: do this");
     if (!strcmp(options->work, "odd"))
@@ -97,15 +128,10 @@ static int work(const struct options *options)
 
 int main(int argc, char **argv)
 {
-    const struct argp_child children[] = {CLI_CHILD, {0}};
-    const struct argp_option table[] = {{"size", 's', "S", 0, "Size", 0},
-                                        {"colour", 'c', "C", 0, "Colour", 0},
-                                        {"work", 'w', "W", 0, "What to do", 0},
-                                        {0}};
-    const struct argp parser = {table, parse, "[FILE ...]", "Speak.", children, NULL, NULL};
-    struct options options = {.cli = CLI_DEFAULT};
-    cli_parse(&parser, argc, argv, &options);
+    struct options options = {.cli = CLI_DEFAULT, .size = 0.25, .scale = 1, .many = 7};
+    const struct program program = {"[FILE ...]", "Speak.", rows, &options, "tracker", 0, CLI_MANY, NULL, check};
+    cli_parse(&program, argc, argv);
     int status = cli_finish(&options.cli, work(&options));
-    cli_inputs_free(&options.inputs);
+    cli_inputs_free(&options.list);
     return status;
 }

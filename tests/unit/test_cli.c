@@ -49,7 +49,7 @@ static void help_and_version_are_data(void **state)
     assert_int_equal(run(SPEAKER, "--help"), 0);
     assert_string_equal(err, "");
     static const char *const expected[] = {"Usage: speaker",  "--scene",       "--output", "--threads",
-                                           "Common options:", "--max-flagged", "--size",   "(default 0.05)"};
+                                           "Common options:", "--max-flagged", "--size",   "default 0.05)"};
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
         assert_non_null(strstr(out, expected[k]));
     assert_int_equal(run(SPEAKER, "--version"), 0);
@@ -93,6 +93,136 @@ static void a_wrong_command_line_is_2(void **state)
     check_usage(good, "--threads 1.5", "give a whole number");
     check_usage(good, "--threads -1", "from 0 to 4096");
     check_usage(good, "--max-flagged 2", "from 0 to 1");
+}
+
+/* What --help says of each type is what the row judges by. */
+static void help_tells_range_default_and_key(void **state)
+{
+    (void)state;
+    static const char *const expected[] = {"Size (from 0 to 10; default 0.25; scene: tracker.size)",
+                                           "Draws (0, or from 2 to 100; default 0; scene: tracker.count)",
+                                           "Many (from 0 to 9007199254740992; default 7; scene: tracker.group.many)",
+                                           "Speak up (scene: tracker.loud)",
+                                           "Colour (red, green; default red; scene: tracker.colour)",
+                                           "Scale (from 0.5 to 2, or auto; default 1; scene: tracker.group.scale)",
+                                           "Two (scene: tracker.pair)",
+                                           "What to do\n"};
+    assert_int_equal(run("ARGP_HELP_FMT=rmargin=200 " SPEAKER, "--help"), 0);
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+        assert_non_null(strstr(out, expected[k]));
+    assert_null(strstr(out, "depth"));
+}
+
+static void write_scene(const char *section)
+{
+    FILE *file = fopen("test_cli.scene.tmp", "w");
+    assert_non_null(file);
+    fprintf(file, "{\"schema\": \"film.scene/1\", \"name\": \"options\",\n\"tracker\": {%s}}\n", section);
+    fclose(file);
+}
+
+static void check_values(const char *section, const char *arguments, const char *expected)
+{
+    write_scene(section);
+    assert_int_equal(run(SPEAKER " --scene test_cli.scene.tmp -o out --work scene", arguments), 0);
+    assert_string_equal(err, "");
+    assert_string_equal(out, expected);
+    unlink("test_cli.scene.tmp");
+}
+
+/* Each type from the command line, from the scene, and from both: the command line wins. */
+static void the_line_wins_over_the_scene(void **state)
+{
+    (void)state;
+    static const char section[] = "\"size\": 2.5, \"count\": 3, \"loud\": true, \"colour\": \"green\", \"pair\": "
+                                  "\"5,6\", \"elsewhere\": [1], \"group\": {\"many\": 4294967296, \"scale\": "
+                                  "\"auto\", \"inner\": {\"depth\": 3}}";
+    static const char line[] = "--size 1e-1 --count 2 --many 9007199254740992 --scale 2 --pair 1,2 --colour red "
+                               "--list a --list b";
+    check_values("", "--pair 3,4 --work scene",
+                 "size=0.25 count=0 many=7 loud=0 colour=red scale=1 pair=3,4 depth=0 list=0\n");
+    check_values("", "", "size=0.25 count=0 many=7 loud=0 colour=red scale=1 pair=0,0 depth=0 list=0\n");
+    check_values(section, "",
+                 "size=2.5 count=3 many=4294967296 loud=1 colour=green scale=1 auto pair=5,6 depth=3 "
+                 "list=0\n");
+    check_values("", line,
+                 "size=0.1 count=2 many=9007199254740992 loud=0 colour=red scale=2 pair=1,2 depth=0 "
+                 "list=2\n");
+    check_values(section, line,
+                 "size=0.1 count=2 many=9007199254740992 loud=1 colour=red scale=2 pair=1,2 depth=3 "
+                 "list=2\n");
+    check_values("\"group\": {\"scale\": 0.5}", "--scale auto",
+                 "size=0.25 count=0 many=7 loud=0 colour=red scale=1 auto pair=0,0 depth=0 list=0\n");
+    check_values("\"loud\": false, \"count\": 0", "--loud",
+                 "size=0.25 count=0 many=7 loud=1 colour=red scale=1 pair=0,0 depth=0 list=0\n");
+}
+
+/* The same value is refused by both, with the same words: status 2 from the command line, 3 from the scene. */
+static void line_and_scene_are_judged_alike(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *section, *remedy;
+    } wrong[] = {{"--size 10.5", "\"size\": 10.5", "from 0 to 10"},
+                 {"--size -1e-9", "\"size\": -1e-9", "from 0 to 10"},
+                 {"--size auto", "\"size\": \"auto\"", "from 0 to 10"},
+                 {"--count 1", "\"count\": 1", "0, or from 2 to 100"},
+                 {"--count 2.9", "\"count\": 2.9", "0, or from 2 to 100"},
+                 {"--count 0.5", "\"count\": 0.5", "0, or from 2 to 100"},
+                 {"--count 101", "\"count\": 101", "0, or from 2 to 100"},
+                 {"--count -2", "\"count\": -2", "0, or from 2 to 100"},
+                 {"--many 0.5", "\"group\": {\"many\": 0.5}", "from 0 to 9007199254740992"},
+                 {"--many 1e17", "\"group\": {\"many\": 1e17}", "from 0 to 9007199254740992"},
+                 {"--colour blue", "\"colour\": \"blue\"", "give one of: red, green"},
+                 {"--scale 3", "\"group\": {\"scale\": 3}", "from 0.5 to 2, or auto"},
+                 {"--scale automatic", "\"group\": {\"scale\": \"automatic\"}", "auto"},
+                 {"--pair 1", "\"pair\": \"1\"", "give two numbers, I,J"},
+                 {"--count 60 --loud", "\"count\": 60, \"loud\": true", "count above 50 and loud"}};
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        check_usage(good, wrong[k].line, wrong[k].remedy);
+        write_scene(wrong[k].section);
+        assert_int_equal(run(SPEAKER " --scene test_cli.scene.tmp -o out --work scene", ""), 3);
+        assert_int_equal(lines(err), 1);
+        assert_non_null(strstr(err, wrong[k].remedy));
+    }
+    /* A wrong value of the scene is wrong also where the command line has another; what both say is judged too. */
+    write_scene("\"count\": 1, \"loud\": true");
+    assert_int_equal(run(SPEAKER " --scene test_cli.scene.tmp -o out --work scene", "--count 2"), 3);
+    write_scene("\"loud\": true");
+    assert_int_equal(run(SPEAKER " --scene test_cli.scene.tmp -o out --work scene", "--count 60"), 3);
+    static const char *const unknown[] = {
+        "\"sizes\": 1", "\"many\": 1", "\"group\": {\"size\": 1}", "\"group\": {\"inner\": {\"many\": 1}}",
+        "\"group\": 1", "\"loud\": 1", "\"work\": \"scene\""};
+    for (size_t k = 0; k < sizeof unknown / sizeof *unknown; k++) {
+        write_scene(unknown[k]);
+        assert_int_equal(run(SPEAKER " --scene test_cli.scene.tmp -o out --work scene", ""), 3);
+        assert_non_null(strstr(err, "test_cli.scene.tmp:2:"));
+    }
+    unlink("test_cli.scene.tmp");
+}
+
+/* Whatever the option is called and however it is spelt. */
+static void an_output_is_no_input(void **state)
+{
+    (void)state;
+    static const char *const wrong[] = {"--scene F -o F",
+                                        "--scene s -oF F",
+                                        "--scene s -o x --writ=F F",
+                                        "--scene s -o x --log F --list a --list F",
+                                        "--scene s -o F --written ./F",
+                                        "--scene s -o x --work F --log L",
+                                        "--scene s -o x --pair 1,2 --log F F"};
+    FILE *file = fopen("F", "w");
+    assert_non_null(file);
+    fclose(file);
+    unlink("L"); /* of a run that failed */
+    assert_int_equal(symlink("F", "L"), 0);
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
+        check_usage(SPEAKER, wrong[k], "would be overwritten");
+    assert_int_equal(run(SPEAKER, "--scene s -o F --log new.tmp a b"), 0);
+    unlink("F");
+    unlink("L");
+    unlink("new.tmp");
 }
 
 static void a_failure_is_one_line(void **state)
@@ -193,11 +323,19 @@ static void the_bar_needs_a_terminal(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(help_and_version_are_data), cmocka_unit_test(a_good_command_line),
-        cmocka_unit_test(a_wrong_command_line_is_2), cmocka_unit_test(a_failure_is_one_line),
-        cmocka_unit_test(many_flags_are_4),          cmocka_unit_test(the_log_is_json),
-        cmocka_unit_test(the_bar_needs_a_terminal),  cmocka_unit_test(odd_words_are_shown_plainly),
+        cmocka_unit_test(help_and_version_are_data),
+        cmocka_unit_test(a_good_command_line),
+        cmocka_unit_test(a_wrong_command_line_is_2),
+        cmocka_unit_test(a_failure_is_one_line),
+        cmocka_unit_test(many_flags_are_4),
+        cmocka_unit_test(the_log_is_json),
+        cmocka_unit_test(the_bar_needs_a_terminal),
+        cmocka_unit_test(odd_words_are_shown_plainly),
         cmocka_unit_test(cut_output_is_a_failure),
+        cmocka_unit_test(help_tells_range_default_and_key),
+        cmocka_unit_test(the_line_wins_over_the_scene),
+        cmocka_unit_test(line_and_scene_are_judged_alike),
+        cmocka_unit_test(an_output_is_no_input),
     };
     return cmocka_run_group_tests_name("cli", tests, NULL, NULL);
 }

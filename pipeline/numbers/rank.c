@@ -6,7 +6,7 @@
  * elimination leaves of a part is a dense matrix over the rows around it (the front; Duff & Reid, ACM Trans. Math.
  * Softw. 9 (1983) 302). Only the number of pivots is wanted, so that nothing else is kept: N^1.5 operations and
  * N memory for N rows. */
-#include "pipeline/packing/rank.h"
+#include "pipeline/numbers/rank.h"
 
 #include <math.h>
 #include <stdlib.h>
