@@ -1,11 +1,24 @@
 /* Forces of several methods stand side by side in one packing, by their names. */
 #include "forces/forces_file.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/packing/packing_file.h"
 #include "pipeline/speak/error.h"
+
+void verdict_note(struct verdict_seen *seen, const char *input, const struct forces *forces)
+{
+    seen->states++;
+    seen->of_them_void += forces->verdict == VERDICT_VOID;
+    if (forces->verdict <= seen->verdict)
+        return;
+    seen->verdict = forces->verdict;
+    seen->input = input;
+    snprintf(seen->method, sizeof seen->method, "%s", forces->method);
+    snprintf(seen->reasons, sizeof seen->reasons, "%s", forces->reasons);
+}
 
 int forces_take_in(struct packing *packing, struct forces *forces)
 {

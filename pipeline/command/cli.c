@@ -283,6 +283,16 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
     return EXIT_FLAGGED;
 }
 
+void cli_note(const char *format, ...)
+{
+    char note[2000];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(note, sizeof note, format, arguments);
+    va_end(arguments);
+    print_line(note);
+}
+
 /* ---- log ---- */
 
 /* Numbers with 17 digits, so that nothing is lost; those that are not finite become null, as JSON has no other. */

@@ -63,6 +63,9 @@ int cli_finish(struct cli *cli, int status);
 /* EXIT_FLAGGED with a note on stderr when flagged > max_flagged * total, else 0; `what`: "grains are flagged". */
 int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char *what);
 
+/* A line on stderr, "program: ...", control letters made harmless; --quiet does not silence it. */
+void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* One JSON object per line into --log (no effect without): log_event("refine", "iterations", 3.0, "rms_px", 0.01,
  * NULL): pairs of a name and a double. Not for parallel regions. */
 void log_event(const char *event, ...) __attribute__((sentinel));

@@ -25,15 +25,28 @@ static double mean_load(const struct walls *walls, int axis)
     return count > 0 ? sum / count : NAN;
 }
 
-double loads_misfit_share(const struct walls *walls, const double misfit[2])
+/* What the contacts of a wall, and of the corner discs that move with it, bear along its inward normal, N: the
+ * component outwards of the forces fn n + ft t that the grains put on it. *touched: does any of them carry? */
+static double wall_bears(const struct packing *packing, const struct forces *forces, size_t w, int *touched)
 {
-    double worst = NAN;
-    for (int axis = 0; axis < 2; axis++) {
-        double load = mean_load(walls, axis), share = fabs(misfit[axis]) / load;
-        if (load > 0 && isfinite(share))
-            worst = fmax(share, isnan(worst) ? 0 : worst);
+    char name[NAME_LENGTH + 1] = "", other[NAME_LENGTH + 1] = "";
+    struct vec inward = wall_inward(&packing->walls, w);
+    double sum = 0;
+    size_t wall;
+    memcpy(name, packing->walls.name[w], NAME_LENGTH);
+    *touched = 0;
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        if (!packing_is_wall(packing, c, &wall) || !(forces->contact.fn[c] > 0))
+            continue;
+        memcpy(other, packing->walls.name[wall], NAME_LENGTH);
+        if (wall != w && !(wall_is_disc(&packing->walls, wall) && strstr(other, name)))
+            continue;
+        struct vec n = vec(packing->contacts.nx[c], packing->contacts.ny[c]);
+        sum -= vec_dot(inward,
+                       vec_add(vec_scale(forces->contact.fn[c], n), vec_scale(forces->contact.ft[c], vec_turn(n))));
+        *touched = 1;
     }
-    return worst;
+    return sum;
 }
 
 /* ---- the reasons ---- */
@@ -67,44 +80,29 @@ static int carries(const struct forces *forces, size_t c)
     return forces->contact.fn[c] > 0;
 }
 
-/* Does any contact of this wall, or of a corner disc that moves with it, carry a force? */
-static int wall_is_carried(const struct packing *packing, const struct forces *forces, size_t w)
-{
-    char name[NAME_LENGTH + 1] = "", other[NAME_LENGTH + 1] = "";
-    size_t wall;
-    memcpy(name, packing->walls.name[w], NAME_LENGTH);
-    for (size_t c = 0; c < forces->contact.count; c++) {
-        if (!carries(forces, c) || !packing_is_wall(packing, c, &wall))
-            continue;
-        memcpy(other, packing->walls.name[wall], NAME_LENGTH);
-        if (wall == w || (wall_is_disc(&packing->walls, wall) && strstr(other, name)))
-            return 1;
-    }
-    return 0;
-}
-
+/* Every wall whose load is known bears it, also those whose reaction the methods leave free: where all four are loaded,
+ * left and bottom show what the loads leave over. */
 static void look_at_walls(struct finding *finding, const struct packing *packing)
 {
     const struct walls *walls = &packing->walls;
-    double largest = 0;
-    for (size_t w = 0; w < walls->count; w++)
-        largest = fmax(largest, fabs(wall_load(walls, w))); /* fmax ignores NaN */
-    for (size_t w = 0; w < walls->count; w++)
-        if (fabs(wall_load(walls, w)) > 1e-3 * largest && !wall_is_carried(packing, finding->forces, w))
+    int balances = finding->forces->iterations > 0;
+    for (size_t w = 0; w < walls->count; w++) {
+        int touched,
+            axis = !wall_is_disc(walls, w) && fabs(wall_inward(walls, w).x) > fabs(wall_inward(walls, w).y) ? 0 : 1;
+        double load = wall_load(walls, w), mean = mean_load(walls, axis);
+        if (!isfinite(load) || !(fabs(load) > 1e-3 * mean))
+            continue;
+        double bears = wall_bears(packing, finding->forces, w, &touched), share = fabs(bears - load) / mean;
+        if (!touched)
             say(finding, VERDICT_VOID, "the %.*s wall is loaded, but no contact there carries anything", NAME_LENGTH,
                 walls->name[w]);
-}
-
-static void look_at_loads(struct finding *finding, const struct packing *packing)
-{
-    struct forces *forces = finding->forces;
-    double share = loads_misfit_share(&packing->walls, forces->misfit);
-    if (share > LIMIT_LOADS)
-        say(finding, share > VOID_LOADS ? VERDICT_VOID : VERDICT_DOUBTFUL,
-            "the loads on opposite walls differ by %.2g %% of their mean: look for a wrong or missing load",
-            100 * share);
-    if (share > LIMIT_LOADS)
-        forces->converged = 0;
+        else if (share > LIMIT_LOADS)
+            say(finding, balances && share > VOID_LOADS ? VERDICT_VOID : VERDICT_DOUBTFUL,
+                "the contacts of the %.*s wall bear %.3g N, but its load is %.3g N: look for a wrong or missing load",
+                NAME_LENGTH, walls->name[w], bears, load);
+        if (share > LIMIT_LOADS)
+            finding->forces->converged = 0;
+    }
 }
 
 /* The parts of the mean stress that are known from the loads: applied, and Weber's of the same axes. */
@@ -181,7 +179,6 @@ int verdict_find(const struct packing *packing, struct forces *forces)
     forces->verdict = VERDICT_BALANCED;
     if (look_at_stress(&finding, packing))
         return -1;
-    look_at_loads(&finding, packing);
     look_at_walls(&finding, packing);
     look_at_balance(&finding, packing);
     look_at_overlaps(&finding, packing);
