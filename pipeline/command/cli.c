@@ -74,7 +74,8 @@ static struct cli_inputs written, words; /* that options took as outputs; all ot
 /* The row that argp means; NULL: one of argp's own keys, or none. */
 static const struct option_row *row_of(int key)
 {
-    return key >= SHARED && key < SHARED + OPTION_MOST              ? &shared[key - SHARED]
+    enum { SHARED_ROWS = sizeof shared / sizeof *shared };
+    return key >= SHARED && key < SHARED + SHARED_ROWS              ? &shared[key - SHARED]
            : running->rows && key >= OWN && key < OWN + OPTION_MOST ? &running->rows[key - OWN]
                                                                     : NULL;
 }
@@ -130,7 +131,7 @@ static error_t parse_row(int key, char *argument, struct argp_state *state)
     if (row->type == OPTION_OUTPUT || row->type == OPTION_TEXT || row->type == OPTION_LIST)
         if (cli_inputs_add(row->type == OPTION_OUTPUT ? &written : &words, argument))
             return ENOMEM;
-    if (key < SHARED)
+    if (key >= OWN && key < OWN + OPTION_MOST)
         cli->given |= (uint64_t)1 << (key - OWN);
     return 0;
 }
