@@ -27,6 +27,7 @@ static const char head[] =
     "th{vertical-align:bottom;background:#f6f6f4}th.left,td.left{text-align:left}\n"
     "summary{font-size:.85rem;color:#555;cursor:pointer}"
     ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"
+    ".void{background:#fbe9e7;border-left:.4rem solid #b00020;color:#7f0017;padding:.5rem 1rem}\n"
     ".good{background:#e9f5f0;border-left:.4rem solid #009e73;padding:.5rem 1rem}\n"
     ".off{color:#b34a00;font-weight:600}.small{font-size:.8rem;color:#555}\n"
     ".charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:1rem}\n"

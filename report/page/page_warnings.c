@@ -224,9 +224,31 @@ static int warn_copies(struct warnings *warnings, const struct series *series)
     return 0;
 }
 
+/* Forces that are not to be used come before everything else, each state by its name. */
+static void warn_void(const struct series *series, struct html *html)
+{
+    int count = 0;
+    for (size_t k = 0; k < series->count; k++) {
+        const struct packing_summary *packing = &series->rows[k].packing;
+        for (size_t f = 0; f < packing->force_count; f++) {
+            const struct force_summary *forces = &packing->forces[f];
+            if (forces->verdict != VERDICT_VOID)
+                continue;
+            if (count++ == 0)
+                fputs("<h2>Not to be used</h2>\n<div class=\"void\"><ul>\n", html->stream);
+            fputs("<li>NOT IN EQUILIBRIUM: ", html->stream);
+            html_format(html, "%s, %.*s: %s", series->rows[k].name, NAME_LENGTH, forces->method, forces->reasons);
+            fputs("</li>\n", html->stream);
+        }
+    }
+    if (count)
+        fputs("</ul></div>\n", html->stream);
+}
+
 int page_warnings(const struct series *series, struct html *html)
 {
     struct warnings warnings = {html, 0};
+    warn_void(series, html);
     warn_gaps(&warnings, series);
     warn_order(&warnings, series);
     int status = warn_copies(&warnings, series);

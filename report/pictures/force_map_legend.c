@@ -94,6 +94,15 @@ static void legend_bar(const struct force_map *map, struct canvas *canvas, doubl
     legend_scale(canvas, right, y + 22 * u, pixels, 4 * u, 26 * u, 15 * u, text);
 }
 
+/* A picture of forces that are void must not pass for a result, wherever it is copied to. */
+static void legend_void(const struct force_map *map, struct canvas *canvas, double u)
+{
+    char text[1100];
+    snprintf(text, sizeof text, "NOT IN EQUILIBRIUM: %s", map->forces->reasons);
+    pen_rectangle(canvas, &(struct pen){.colour = COLOUR_VERMILLION}, 0, 0, map->width, 34 * u);
+    words_within(canvas, 12 * u, 23 * u, 976 * u, 18 * u, 1, text);
+}
+
 void force_map_legend(const struct force_map *map, struct canvas *canvas)
 {
     double u = map->width / 1000, top = map->view_height + 12 * u;
@@ -104,4 +113,6 @@ void force_map_legend(const struct force_map *map, struct canvas *canvas)
         legend_widths(map, canvas, 385 * u, top, u);
     legend_key(map, canvas, 622 * u, top, u);
     legend_bar(map, canvas, 975 * u, top, u);
+    if (map->forces && map->forces->verdict == VERDICT_VOID)
+        legend_void(map, canvas, u);
 }
