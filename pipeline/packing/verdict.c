@@ -105,6 +105,28 @@ static void look_at_walls(struct finding *finding, const struct packing *packing
     }
 }
 
+/* What the grains have left, all together: loads that do not balance may be spread over many grains, a little on each.
+ */
+static void look_at_sum(struct finding *finding, const struct packing *packing)
+{
+    const struct residuals *residual = &finding->forces->residual;
+    const double *const columns[2] = {residual->residual_x, residual->residual_y};
+    for (int axis = 0; axis < 2; axis++) {
+        double sum = 0, load = mean_load(&packing->walls, axis);
+        for (size_t k = 0; columns[axis] && k < residual->count; k++)
+            sum += isfinite(columns[axis][k]) ? columns[axis][k] : 0;
+        if (!(fabs(sum) > LIMIT_LOADS * load))
+            continue;
+        int is_void = finding->forces->iterations > 0 && fabs(sum) > VOID_LOADS * load;
+        say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
+            "the grains are left with %.3g N along %c in all, where the walls are loaded with %.3g N: look for a wrong "
+            "or "
+            "missing load",
+            sum, axis ? 'y' : 'x', load);
+        finding->forces->converged = 0;
+    }
+}
+
 /* The parts of the mean stress that are known from the loads: applied, and Weber's of the same axes. */
 static void mean_stresses(const double applied[2][2], const double weber[2][2], double mean[2])
 {
@@ -180,6 +202,7 @@ int verdict_find(const struct packing *packing, struct forces *forces)
     if (look_at_stress(&finding, packing))
         return -1;
     look_at_walls(&finding, packing);
+    look_at_sum(&finding, packing);
     look_at_balance(&finding, packing);
     look_at_overlaps(&finding, packing);
     const char *gap = *finding.list[0] && *finding.list[1] ? "; " : "";

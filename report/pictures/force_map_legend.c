@@ -1,6 +1,7 @@
 /* The legend of a force map: what state this is, how wide which force, which colour means what, how long is what. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "pipeline/packing/structure.h"
 #include "pipeline/draw/axis.h"
@@ -97,10 +98,13 @@ static void legend_bar(const struct force_map *map, struct canvas *canvas, doubl
 /* A picture of forces that are void must not pass for a result, wherever it is copied to. */
 static void legend_void(const struct force_map *map, struct canvas *canvas, double u)
 {
-    char text[1100];
-    snprintf(text, sizeof text, "NOT IN EQUILIBRIUM: %s", map->forces->reasons);
-    pen_rectangle(canvas, &(struct pen){.colour = COLOUR_VERMILLION}, 0, 0, map->width, 34 * u);
-    words_within(canvas, 12 * u, 23 * u, 976 * u, 18 * u, 1, text);
+    char text[200];
+    const char *reasons = map->forces->reasons;
+    snprintf(text, sizeof text, "%.*s", (int)strcspn(reasons, ";:"), reasons); /* the first one, without its remedy */
+    pen_rectangle(canvas, &(struct pen){.colour = COLOUR_VERMILLION}, 0, 0, map->width, 58 * u);
+    words_within(canvas, 12 * u, 24 * u, 976 * u, 20 * u, 1,
+                 "NOT IN EQUILIBRIUM: these are not the forces of this packing");
+    words_within(canvas, 12 * u, 48 * u, 976 * u, 17 * u, 0, text);
 }
 
 void force_map_legend(const struct force_map *map, struct canvas *canvas)

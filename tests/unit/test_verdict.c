@@ -82,6 +82,14 @@ static void wall_friction(struct packing *p)
     p->forces->contact.fn[3] = H - 20, p->walls.fx[LEFT] = 100;
 }
 
+/* A load that nothing answers, spread over the grains: as series leaves it, which holds equilibrium only nearly. */
+static void spread_out(struct packing *p)
+{
+    check_done(table_alloc(&RESIDUALS, &p->forces->residual, 2, NULL));
+    for (int k = 0; k < 2; k++)
+        p->forces->residual.residual_x[k] = 15, p->forces->residual.residual_y[k] = k ? 1 : -1;
+}
+
 static void bare_wall(struct packing *p)
 {
     p->forces->contact.fn[5] = p->forces->contact.fn[6] = 0;
@@ -132,6 +140,8 @@ static void each_reason_is_given(void **state)
         {a_little_off, VERDICT_DOUBTFUL, 0, "the contacts of the left wall bear 120 N, but its load is 124 N"},
         {doubled_load, VERDICT_VOID, 0, "the contacts of the right wall bear 120 N, but its load is 240 N"},
         {wall_friction, VERDICT_BALANCED, 1, ""},
+        {spread_out, VERDICT_VOID, 0,
+         "the grains are left with 30 N along x in all, where the walls are loaded with 120 N"},
         {bare_wall, VERDICT_VOID, 0, "the right wall is loaded, but no contact there carries anything"},
         {nothing_carries, VERDICT_VOID, 0, "no contact carries anything (7 contacts among 2 grains)"},
         {pulled, VERDICT_VOID, 0, "the loads pull outwards (mean stress -40 N/m): is their sign turned?"},
