@@ -139,27 +139,25 @@ static void mean_stresses(const double applied[2][2], const double weber[2][2], 
         mean[k] = known ? mean[k] / known : NAN;
 }
 
-static int look_at_stress(struct finding *finding, const struct packing *packing)
+/* `mean`: applied, Weber's. Loads of the wrong sign are the cause of all else: they come before it. */
+static void look_at_sign(struct finding *finding, const double mean[2], const char *units)
 {
-    const struct forces *forces = finding->forces;
-    double applied[2][2], mean[2], area;
-    if (packing_area(packing, &area))
-        return -1;
-    stress_applied(packing, area, applied);
-    mean_stresses((const double(*)[2])applied, forces->stress, mean);
-    const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
     if (mean[0] < 0)
         say(finding, VERDICT_VOID, "the loads pull outwards (mean stress %.3g %s): is their sign turned?", mean[0],
             units);
+}
+
+static void look_at_stress(struct finding *finding, const double mean[2], const char *units)
+{
     double off = fabs(mean[1] / mean[0] - 1);
     if (!(mean[0] > 0) || !(off > LIMIT_STRESS))
-        return 0;
-    int is_void = off > VOID_STRESS && forces->iterations > 0;
+        return;
+    int is_void = off > VOID_STRESS && finding->forces->iterations > 0;
     say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
-        "the contact forces make a stress of %.3g %s where %.3g is "
-        "applied: contacts were missed, or loads or scale are wrong",
+        "the contact forces make a stress of %.3g %s where %.3g is applied: contacts were missed, or loads or scale "
+        "are "
+        "wrong",
         mean[1], units, mean[0]);
-    return 0;
 }
 
 static void look_at_balance(struct finding *finding, const struct packing *packing)
@@ -198,12 +196,18 @@ static void look_at_overlaps(struct finding *finding, const struct packing *pack
 int verdict_find(const struct packing *packing, struct forces *forces)
 {
     struct finding finding = {.forces = forces};
-    forces->verdict = VERDICT_BALANCED;
-    if (look_at_stress(&finding, packing))
+    const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
+    double area, applied[2][2], mean[2];
+    if (packing_area(packing, &area))
         return -1;
+    stress_applied(packing, area, applied);
+    mean_stresses((const double(*)[2])applied, forces->stress, mean);
+    forces->verdict = VERDICT_BALANCED;
+    look_at_sign(&finding, mean, units);
+    look_at_balance(&finding, packing);
     look_at_walls(&finding, packing);
     look_at_sum(&finding, packing);
-    look_at_balance(&finding, packing);
+    look_at_stress(&finding, mean, units);
     look_at_overlaps(&finding, packing);
     const char *gap = *finding.list[0] && *finding.list[1] ? "; " : "";
     snprintf(forces->reasons, sizeof forces->reasons, "%.480s%s%.480s", finding.list[1], gap, finding.list[0]);
