@@ -14,6 +14,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/packing_check.h"
 #include "pipeline/packing/packing_file.h"
 
 #define UNBALANCED 0.01 /* <fn>: a grain whose unbalanced force is larger counts */
@@ -104,7 +105,8 @@ int add_forces(const struct force_request *request, struct force_outcome *outcom
     options.from = request->from ? &from : NULL;
     *outcome = (struct force_outcome){.overlaps_over_loads = NAN};
     int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
-                 (request->previous && state_check_order(request->previous, &previous.info, &packing.info)) ||
+                 (request->previous && (state_check_order(request->previous, &previous.info, &packing.info) ||
+                                        packing_check_previous(request->previous, &previous, &packing))) ||
                  read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, outcome) ||
                  (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);

@@ -56,7 +56,7 @@ static const struct option_row shared[] = {
      .help = "Write the result here (and nowhere else); a folder where there are several files"},
     {"threads", NULL, OPTION_WHOLE, AT(threads), "N", .max = 4096,
      .help = "Use N threads, 0: as many as the machine has; results do not depend on it"},
-    {"quiet", NULL, OPTION_SWITCH, AT(quiet), .letter = 'q', .help = "No progress bar"},
+    {"quiet", NULL, OPTION_SWITCH, AT(quiet), .letter = 'q', .help = "No progress bar, no summary"},
     {"log", NULL, OPTION_OUTPUT, AT(log), "FILE", .help = "Write times and iterations here, one JSON object per line"},
     {"max-flagged", NULL, OPTION_NUMBER, AT(max_flagged), "SHARE", .max = 1,
      .help = "Exit with status 4 when a larger share of the rows is flagged; the output is written all the same"},
@@ -284,14 +284,30 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
     return EXIT_FLAGGED;
 }
 
-void cli_note(const char *format, ...)
+static void print_format(const char *format, va_list values)
 {
-    char note[2000];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(note, sizeof note, format, arguments);
-    va_end(arguments);
-    print_line(note);
+    char line[2000];
+    vsnprintf(line, sizeof line, format, values);
+    print_line(line);
+}
+
+int cli_doubt(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    print_format(format, values);
+    va_end(values);
+    return EXIT_FLAGGED;
+}
+
+void cli_summary(const struct cli *cli, const char *format, ...)
+{
+    va_list values;
+    if (cli->quiet)
+        return;
+    va_start(values, format);
+    print_format(format, values);
+    va_end(values);
 }
 
 /* ---- log ---- */
