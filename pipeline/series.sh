@@ -37,10 +37,11 @@ alone() {
     flock --nonblock 8 || refuse "another run works in $OUT: wait for it"
 }
 
-# begin [n]: the makefile $plan, to be run in $folder; with n nothing is changed anywhere.
+# begin N K: the makefile $plan, to be run in $folder; N not empty: nothing is changed anywhere; K not empty: what the
+# scene names and is not there stops only what needs it.
 begin() {
     check_words
-    if [[ ${1:-} ]]; then
+    if [[ $1 ]]; then
         scratch=$(mktemp -d)
         trap 'rm -rf "$scratch"' EXIT
         folder=$scratch plan=$scratch/plan.mk
@@ -53,7 +54,7 @@ begin() {
     fi
     planner plan --format make --runner "$pipeline/stage" >"$plan"
     plan=$(realpath -- "$plan")
-    planner check || true # a photo that is not there stops its own stage only
+    planner check || [[ $1$2 || $? == 4 ]] || exit 2
 }
 
 # threads_beside JOBS: for each of so many programs at a time, so that all together have the processors once.

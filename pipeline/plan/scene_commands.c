@@ -26,15 +26,43 @@ static int check_file(const struct scene *scene, const char *path)
 static int check_loads(const struct scene *scene)
 {
     const struct scene_photos *photos = &scene->photos;
-    size_t count = (size_t)(photos->last - photos->first + 1);
-    int64_t *numbers = malloc(count * sizeof *numbers);
+    size_t count = 0;
+    int64_t *numbers = malloc((size_t)(photos->last - photos->first + 1) * sizeof *numbers);
     if (!numbers)
         return error_memory("the numbers of the photos");
-    for (size_t k = 0; k < count; k++)
-        numbers[k] = photos->first + (int64_t)k;
+    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k))
+        numbers[count++] = k;
     int status = loads_check(scene->loads, numbers, count);
     free(numbers);
     return status;
+}
+
+/* All photos that count and are not there, in one line. */
+static int check_photos(const struct scene *scene)
+{
+    enum { NAMED = 3 };
+    const struct scene_photos *photos = &scene->photos;
+    char names[1000] = "";
+    long count = 0, missing = 0;
+    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k)) {
+        char *path = scene_photo_path(scene, k);
+        if (!path)
+            return -1;
+        size_t length = strlen(names);
+        count++;
+        if (access(path, R_OK) && ++missing <= NAMED + 1)
+            snprintf(names + length, sizeof names - length, "%s%.300s", missing > 1 ? ", " : "",
+                     missing <= NAMED ? path : "...");
+        free(path);
+    }
+    if (!missing)
+        return 0;
+    return missing == 1 ? error_input("%s: photo %s is not there or cannot be read: put it there, or name its number "
+                                      "in photos.skip",
+                                      scene->path, names)
+                        : error_input("%s: %ld of %ld photos are not there or cannot be read (%s): put them there, or "
+                                      "name their numbers in photos.skip",
+                                      scene->path, missing, count, names);
 }
 
 /* What can be known before any photo is read: a long run shall not end at its last photo for a file that is not there.
@@ -46,23 +74,17 @@ static int check(const struct scene *scene)
         return -1;
     if (scene->loads && photos->pattern && check_loads(scene))
         return -1;
-    for (long index = photos->first; photos->pattern && index <= photos->last; index++) {
-        char *path = scene_photo_path(scene, index);
-        int status = path ? check_file(scene, path) : -1;
-        free(path);
-        if (status)
-            return -1;
-    }
-    return 0;
+    return photos->pattern ? check_photos(scene) : 0;
 }
 
 static int print_photos(const struct scene *scene)
 {
-    for (long index = scene->photos.first; index <= scene->photos.last; index++) {
-        char *path = scene_photo_path(scene, index);
+    const struct scene_photos *photos = &scene->photos;
+    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k)) {
+        char *path = scene_photo_path(scene, k);
         if (!path)
             return -1;
-        printf("%ld\t%s\n", index, path);
+        printf("%ld\t%s\n", k, path);
         free(path);
     }
     return 0;
