@@ -6,76 +6,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/packing/loads.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/plan_marks.h"
 #include "pipeline/plan/plan_text.h"
+#include "pipeline/plan/scene_check.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/speak/error.h"
 
 /* ---- what a scene says ---- */
-
-static int check_file(const struct scene *scene, const char *path)
-{
-    if (path && access(path, R_OK))
-        return error_input("%s: names %s, which cannot be read: put it there", scene->path, path);
-    return 0;
-}
-
-/* The loads of all photos, looked at together. */
-static int check_loads(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    size_t count = 0;
-    int64_t *numbers = malloc((size_t)(photos->last - photos->first + 1) * sizeof *numbers);
-    if (!numbers)
-        return error_memory("the numbers of the photos");
-    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k))
-        numbers[count++] = k;
-    int status = loads_check(scene->loads, numbers, count);
-    free(numbers);
-    return status;
-}
-
-/* All photos that count and are not there, in one line. */
-static int check_photos(const struct scene *scene)
-{
-    enum { NAMED = 3 };
-    const struct scene_photos *photos = &scene->photos;
-    char names[1000] = "";
-    long count = 0, missing = 0;
-    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k)) {
-        char *path = scene_photo_path(scene, k);
-        if (!path)
-            return -1;
-        size_t length = strlen(names);
-        count++;
-        if (access(path, R_OK) && ++missing <= NAMED + 1)
-            snprintf(names + length, sizeof names - length, "%s%.300s", missing > 1 ? ", " : "",
-                     missing <= NAMED ? path : "...");
-        free(path);
-    }
-    if (!missing)
-        return 0;
-    return missing == 1 ? error_input("%s: photo %s is not there or cannot be read: put it there, or name its number "
-                                      "in photos.skip",
-                                      scene->path, names)
-                        : error_input("%s: %ld of %ld photos are not there or cannot be read (%s): put them there, or "
-                                      "name their numbers in photos.skip",
-                                      scene->path, missing, count, names);
-}
-
-/* What can be known before any photo is read: a long run shall not end at its last photo for a file that is not there.
- */
-static int check(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    if (check_file(scene, scene->lens) || check_file(scene, scene->loads))
-        return -1;
-    if (scene->loads && photos->pattern && check_loads(scene))
-        return -1;
-    return photos->pattern ? check_photos(scene) : 0;
-}
 
 static int print_photos(const struct scene *scene)
 {
@@ -169,7 +107,7 @@ int scene_run(enum scene_command command, const struct scene_words *words)
     struct scene scene;
     if (scene_read(words->scene, &scene))
         return -1;
-    int status = command == SCENE_CHECK    ? check(&scene)
+    int status = command == SCENE_CHECK    ? scene_check(&scene)
                  : command == SCENE_PHOTOS ? print_photos(&scene)
                  : command == SCENE_SERIES ? print_series(&scene)
                  : command == SCENE_PART   ? print_part(&scene, words->part)

@@ -9,6 +9,7 @@
 
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/plan_marks.h"
+#include "pipeline/plan/scene_check.h"
 #include "pipeline/plan/shell_word.h"
 #include "pipeline/speak/error.h"
 #include "tests/check.h"
@@ -262,6 +263,46 @@ static void test_limits(void **state)
     scene_free(&given.scene);
 }
 
+/* What scene_check() gives for walls of 0.2 m, 1000 px of 2e-4 m, pushed with `force` N. */
+static int check_of(double force, const char *more, double kn, double scale)
+{
+    struct given given;
+    char keys[500], loads[200];
+    snprintf(loads, sizeof loads, "index,wall,fx_N,fy_N\n8,top,0,%g\n9,top,0,%g\n10,top,0,0\n", -force, -force / 2);
+    write_text(FOLDER "/loads.csv", loads);
+    snprintf(keys, sizeof keys,
+             "\"frame\": {\"corners_px\": [[0, 0], [1000, 0], [1000, 1000], [0, 1000]]}, \"scale_m_per_px\": %g, %s "
+             "\"contact\": {\"law\": \"linear\", \"kn_N_per_m\": %g},",
+             scale, more, kn);
+    check_done(try_plan(&given, 3, keys, "", ""));
+    error_clear();
+    int status = scene_check(&given.scene) ? error_status() : 0;
+    end(&given);
+    return status;
+}
+
+/* Overlap of a radius: 2 F / (L kn). In pixels with a radius r: r times as much, without one a tenth of the frame. */
+static void test_overlaps(void **state)
+{
+    (void)state;
+    const char *radius = "\"grains\": {\"radius_px\": [5, 15]},";
+    assert_int_equal(check_of(0.99e4, radius, 1e6, 2e-4), 0);
+    assert_int_equal(check_of(1.01e4, radius, 1e6, 2e-4), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "of a radius, where 0.1 is too much: put loads right first"));
+    assert_int_equal(check_of(1e3, "", 1e4, 2e-4), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "put contact.kn_N_per_m right first"));
+    assert_int_equal(check_of(1e3, "", 1e6, 2e-7), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "put scale_m_per_px right first"));
+    assert_int_equal(check_of(10.1, radius, 1e6, 2e-4), 0);
+    assert_int_equal(check_of(9.9, radius, 1e6, 2e-4), EXIT_FLAGGED);
+    assert_non_null(strstr(error_message(), "overlaps of 0.00099 px, which no photo shows: look at loads first"));
+    assert_int_equal(check_of(1.01, "", 1e6, 2e-4), 0);
+    assert_int_equal(check_of(0.99, "", 1e6, 2e-4), EXIT_FLAGGED);
+    assert_int_equal(check_of(1e3, "", 1e12, 2e-4), EXIT_FLAGGED);
+    assert_non_null(strstr(error_message(), "look at contact.kn_N_per_m first"));
+    write_text(FOLDER "/loads.csv", "");
+}
+
 /* bash reads the word that was quoted, for every byte and for some that would be commands. */
 static void test_quote(void **state)
 {
@@ -407,9 +448,10 @@ static void test_no_links(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_products), cmocka_unit_test(test_gap),    cmocka_unit_test(test_together),
-        cmocka_unit_test(test_start),    cmocka_unit_test(test_limits), cmocka_unit_test(test_quote),
-        cmocka_unit_test(test_changed),  cmocka_unit_test(test_parts),  cmocka_unit_test(test_no_links)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_overlaps), cmocka_unit_test(test_products),
+                                       cmocka_unit_test(test_gap),      cmocka_unit_test(test_together),
+                                       cmocka_unit_test(test_start),    cmocka_unit_test(test_limits),
+                                       cmocka_unit_test(test_quote),    cmocka_unit_test(test_changed),
+                                       cmocka_unit_test(test_parts),    cmocka_unit_test(test_no_links)};
     return cmocka_run_group_tests(tests, make_files, NULL);
 }
