@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
@@ -132,13 +133,13 @@ int page_write(const struct page *page, const struct series *series, struct html
 {
     fputs(head, html->stream);
     fputs("<title>", html->stream);
-    html_text(html, page->name);
+    html_text(html, page->scene->name);
     fputs("</title></head><body>\n<h1>", html->stream);
-    html_text(html, page->name);
+    html_text(html, page->scene->name);
     fputs("</h1>\n<p class=\"small\">", html->stream);
     html_format(html, "%zu states. Written by: %s.", series->count, series->versions);
     fputs("</p>\n", html->stream);
-    if (page_warnings(series, html))
+    if (page_warnings(page->scene, series, html))
         return -1;
     if (page->truth_folder && page_truth(page, series, html))
         return -1;
