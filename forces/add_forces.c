@@ -68,7 +68,7 @@ static int infer_all(const struct force_request *request, const struct force_opt
         int status = look_around(packing, options, method, &inferred) ? error_context("%s", request->input) : 0;
         size_t out = forces_unbalanced_grains(packing, &inferred, UNBALANCED);
         if (!status)
-            tell(&inferred), verdict_note(&outcome->verdict, request->input, &inferred);
+            tell(&inferred), verdict_note(&outcome->verdict, request->input, packing, &inferred);
         if (status || forces_take_in(packing, &inferred)) {
             forces_free(&inferred);
             return -1;

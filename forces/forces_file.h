@@ -11,8 +11,10 @@ struct verdict_seen {
     char method[NAME_LENGTH], reasons[1000];
     const char *input; /* whose forces */
     size_t states, of_them_void;
+    char summary[400]; /* of the forces that were seen, each in some words */
 };
-void verdict_note(struct verdict_seen *seen, const char *input, const struct forces *forces);
+void verdict_note(struct verdict_seen *seen, const char *input, const struct packing *packing,
+                  const struct forces *forces);
 
 /* Takes the forces over (`forces` is empty afterwards); an old result of the same method gives way. */
 int forces_take_in(struct packing *packing, struct forces *forces);

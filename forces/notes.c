@@ -9,6 +9,7 @@
 static int judged(const struct cli *cli, const struct verdict_seen *seen, size_t unbalanced, size_t grains)
 {
     char others[80] = "";
+    cli_summary(cli, "%s: %s", seen->input ? seen->input : cli->output, seen->summary);
     if (seen->verdict != VERDICT_VOID)
         return cli_flagged(cli, unbalanced, grains, "grains are out of balance by more than 1 %");
     if (seen->of_them_void > 1)
