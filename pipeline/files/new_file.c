@@ -61,6 +61,7 @@ void new_file_remove_on_signals(void)
         if (sigaction(numbers[k], NULL, &before) == 0 && before.sa_handler == SIG_DFL)
             sigaction(numbers[k], &action, NULL);
     }
+    signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f`: the write fails with EFBIG, like one on a full disk */
 }
 
 /* ---- one file ---- */

@@ -24,7 +24,8 @@ int new_file_commit(struct new_file *file);
 void new_file_discard(struct new_file *file);
 
 /* From now on SIGHUP, SIGINT and SIGTERM remove the temporary files of this process before they end it. Signals that
- * are ignored (nohup) stay ignored. */
+ * are ignored (nohup) stay ignored. SIGXFSZ is: a file that grows beyond the limit (ulimit -f) is a write that fails.
+ */
 void new_file_remove_on_signals(void);
 
 #endif

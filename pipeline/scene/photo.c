@@ -114,7 +114,7 @@ int photo_write(const char *path, const struct photo *photo)
     if (failed || messages.error[0]) {
         new_file_discard(&file);
         return error_failed("%s: cannot be written (%s): check the room on the disk, then run again", path,
-                            messages.error);
+                            *messages.error ? messages.error : "libtiff gives no reason");
     }
     return new_file_commit(&file);
 }

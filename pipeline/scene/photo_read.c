@@ -327,7 +327,7 @@ static int open_tiff(struct source *source)
         return error_memory(path);
     if (!source->tiff)
         return error_input("%s: is not a readable TIFF, or was cut short (%s): copy the photo again", path,
-                           source->messages.error);
+                           *source->messages.error ? source->messages.error : "libtiff gives no reason");
     return 0;
 }
 
