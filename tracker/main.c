@@ -60,14 +60,21 @@ static const char help[] =
 static int run(const struct options *options)
 {
     struct scene scene;
-    size_t flagged = 0, total = 0;
+    struct series_found found;
     struct series_paths paths = options->paths;
     paths.photos = options->cli.inputs.paths;
     paths.photo_count = options->cli.inputs.count;
     paths.output = options->cli.output;
-    int status = scene_read(options->cli.scene, &scene) || track_series(&scene, &paths, &flagged, &total);
+    int status = scene_read(options->cli.scene, &scene) || track_series(&scene, &paths, &found) ? -1 : 0;
     scene_free(&scene);
-    return status ? -1 : cli_flagged(&options->cli, flagged, total, "grains are flagged");
+    if (!status)
+        status = cli_flagged(&options->cli, found.flagged, found.grains, "grains are flagged");
+    if (!status)
+        cli_summary(&options->cli, "%zu photo%s: %zu of %zu followed, median motion %s%.3g px, median ZNCC %s%.3f",
+                    paths.photo_count, paths.photo_count > 1 ? "s" : "", found.grains - found.flagged, found.grains,
+                    paths.photo_count > 1 ? "up to " : "", found.motion_px, paths.photo_count > 1 ? "down to " : "",
+                    found.zncc);
+    return status;
 }
 
 int main(int argc, char **argv)
