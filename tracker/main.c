@@ -1,6 +1,4 @@
 /* tracker: where the grains of the reference photo are in other photos. */
-#include <string.h>
-
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
@@ -20,31 +18,12 @@ static const struct option_row rows[] = {
      .help = "Tracks (or dic_out) of the photo before: where to look first"},
     {0}};
 
-static size_t stem_length(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    return dot && dot > name ? (size_t)(dot - name) : strlen(name);
-}
-
-static int same_stem(const char *a, const char *b)
-{
-    const char *x = basename(a), *y = basename(b);
-    return stem_length(x) == stem_length(y) && !strncmp(x, y, stem_length(x));
-}
-
-/* Tracks are named after their photos: two of one name would be one file. */
 static int check(void *input)
 {
     const struct options *options = input;
-    char *const *photos = options->cli.inputs.paths;
     if (!options->paths.grains || !options->paths.reference)
         return error_input("--grains and --reference are needed");
-    for (size_t k = 1; k < options->cli.inputs.count; k++)
-        for (size_t m = 0; m < k; m++)
-            if (same_stem(photos[k], photos[m]))
-                return error_input("%s and %s have one name and so one file of tracks: rename one, or track it alone",
-                                   photos[k], photos[m]);
-    return 0;
+    return track_series_names(options->cli.inputs.paths, options->cli.inputs.count);
 }
 
 static const char help[] =

@@ -204,13 +204,35 @@ static int track_one(struct series *series, const char *photo_path, const char *
     return status;
 }
 
+/* Of a name without folders, its ending left out. */
+static size_t stem_length(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && dot > name ? (size_t)(dot - name) : strlen(name);
+}
+
+static int same_stem(const char *a, const char *b)
+{
+    const char *x = basename(a), *y = basename(b);
+    return stem_length(x) == stem_length(y) && !strncmp(x, y, stem_length(x));
+}
+
+int track_series_names(char *const *photos, size_t count)
+{
+    for (size_t k = 1; k < count; k++)
+        for (size_t m = 0; m < k; m++)
+            if (same_stem(photos[k], photos[m]))
+                return error_input("%s and %s have one name and so one file of tracks: rename one, or track it alone",
+                                   photos[k], photos[m]);
+    return 0;
+}
+
 /* DIR/0003.tracks.hdf for photos/0003.tif; to be freed. */
 static char *path_in_folder(const char *folder, const char *photo)
 {
-    const char *slash = strrchr(photo, '/'), *base = slash ? slash + 1 : photo, *dot = strrchr(base, '.');
-    int length = dot && dot > base ? (int)(dot - base) : (int)strlen(base);
+    const char *base = basename(photo);
     char *path;
-    if (asprintf(&path, "%s/%.*s.tracks.hdf", folder, length, base) < 0) {
+    if (asprintf(&path, "%s/%.*s.tracks.hdf", folder, (int)stem_length(base), base) < 0) {
         error_set(EXIT_FAILED, "out of memory: paths: use a machine with more memory");
         return NULL;
     }

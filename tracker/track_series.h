@@ -12,6 +12,10 @@ struct series_paths {
     const char *output; /* a file for one photo, else a folder */
 };
 
+/* Tracks are named after their photos: two photos of one name, which would be one file, are refused (-1 with a line).
+ */
+int track_series_names(char *const *photos, size_t count);
+
 /* What was found, for people: rows of all photos together, those that are not to be trusted, and of the medians of the
  * photos over the others the largest motion since the reference and the smallest ZNCC; NaN: none. */
 struct series_found {
