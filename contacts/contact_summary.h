@@ -18,6 +18,7 @@ struct contact_summary {
     size_t grains, unusable; /* rows; rows with a number missing: they touch nothing */
     size_t contacts, wall_contacts, candidates;
     size_t rattlers, floating, promoted;
+    double z;                                  /* of packing_fabric() */
     double mean_overlap_px, s_overlap_px;      /* of touching pairs; median standard error of an overlap */
     double radius_scale, radius_offset_px;     /* as used */
     double s_radius_scale, s_radius_offset_px; /* of an automatic one; 0: given */

@@ -169,11 +169,26 @@ static int doubt_contacts(const struct cli *cli, const struct contact_options *o
                      why, where, how);
 }
 
+/* With the correction of the radii that was found. */
+static void summarise(const struct cli *cli, const struct contact_options *options,
+                      const struct contact_summary *summary)
+{
+    char radii[100] = "";
+    if (options->radius_offset_auto)
+        snprintf(radii, sizeof radii, ", offset %+.3f +- %.3f px", summary->radius_offset_px,
+                 summary->s_radius_offset_px);
+    else if (options->radius_scale_auto)
+        snprintf(radii, sizeof radii, ", radius scale %.4f +- %.4f", summary->radius_scale, summary->s_radius_scale);
+    cli_summary(cli, "%zu contacts, z %.2f, %zu rattlers%s", summary->contacts, summary->z, summary->rattlers, radii);
+}
+
 int contacts_tell(const struct cli *cli, const struct contact_options *options, const struct contact_summary *summary)
 {
     log_contacts(summary);
     int status = cli_flagged(cli, summary->unusable, summary->grains, "grains are without position or radius");
     if (status == 0 && (contacts_are_few(summary) || (summary->undecided && summary->near)))
         status = doubt_contacts(cli, options, summary);
+    if (status == 0)
+        summarise(cli, options, summary);
     return status;
 }

@@ -214,10 +214,13 @@ static void summarise(const struct search *search, struct contact_summary *summa
 {
     const struct packing *packing = search->packing;
     double scale = search->input->scene->scale;
+    struct fabric fabric;
+    packing_fabric(packing, NAN, &fabric);
     *summary = (struct contact_summary){
         .grains = packing->grains.count,
         .promoted = search->promoted,
-        .rattlers = count_rattlers(&packing->grains),
+        .rattlers = fabric.rattlers,
+        .z = fabric.z,
         .mean_overlap_px = pair_mean_overlap(&search->network.bearing) / scale,
         .radius_scale = search->options.radius_scale,
         .radius_offset_px = search->options.radius_offset_px,

@@ -18,6 +18,7 @@
 /* Of the noise, between grains and voids: noise alone, cut in two halves, gives 1.35. */
 #define LEAST_CONTRAST 2.0
 #define KNOWN_SPREAD 1.0 /* px: how far a known grain may be from where it is said to be */
+#define RANGE_SIGMAS 3.0 /* standard errors by which a radius may lie beyond the range that was given */
 
 /* Mean over the measured rims, grey levels; NaN without one. */
 static double mean_noise(const struct rims *rims)
@@ -116,6 +117,18 @@ static int look_for_frame(const struct photo *photo, const struct find_options *
     return 0;
 }
 
+/* Radii beyond the range that was asked for by more than their errors: the search ends there, a fit need not. What was
+ * added by hand was asked for. */
+static void flag_outside_range(const struct find_options *options, struct photo_grains *grains)
+{
+    for (size_t k = 0; k < grains->count; k++) {
+        double radius = grains->radius_px[k], margin = RANGE_SIGMAS * column_or_zero(grains->s_radius, k);
+        if (!(grains->flags[k] & GRAIN_BY_HAND) &&
+            (radius + margin < options->radius_min_px || radius - margin > options->radius_max_px))
+            grains->flags[k] |= GRAIN_OUTSIDE_RANGE;
+    }
+}
+
 /* A circle larger than the photo, or far from it, would stand over every grain. */
 static int check_added(const struct photo *photo, const struct candidates *found)
 {
@@ -146,6 +159,8 @@ int find_grains(const struct photo *photo, const struct find_options *options, s
         status = corrections_apply(options->corrections, &found) || check_added(photo, &found) ? -1 : 0;
     if (!status)
         status = measure(photo, options, &found, 0, grains, notes);
+    if (!status)
+        flag_outside_range(options, grains);
     if (!status)
         status = look_for_frame(photo, options, grains, notes);
     candidates_free(&found);

@@ -81,7 +81,18 @@ static int work(const struct scene *scene, const struct photo_paths *paths, stru
     return 0;
 }
 
-int grains_of_photo(const struct scene *scene, const struct photo_paths *paths, size_t *flagged, size_t *total)
+static void count(const struct photo_grains *grains, struct photo_found *found)
+{
+    *found = (struct photo_found){grains->count, find_count_flagged(grains), NAN, NAN};
+    for (size_t k = 0; k < grains->count; k++) {
+        if (grains->flags[k] & GRAIN_DISTRUST)
+            continue;
+        found->least_px = fmin(found->least_px, grains->radius_px[k]);
+        found->most_px = fmax(found->most_px, grains->radius_px[k]);
+    }
+}
+
+int grains_of_photo(const struct scene *scene, const struct photo_paths *paths, struct photo_found *found)
 {
     struct photo photo = {0};
     struct photo_grains grains = {0};
@@ -92,10 +103,8 @@ int grains_of_photo(const struct scene *scene, const struct photo_paths *paths, 
         status = corrections_read_removed(paths->removed, &corrections);
     if (!status)
         status = work(scene, paths, &options, &photo, &grains);
-    if (!status) {
-        *flagged = find_count_flagged(&grains);
-        *total = grains.count;
-    }
+    if (!status)
+        count(&grains, found);
     corrections_free(&corrections);
     table_free(&PHOTO_GRAINS, &grains);
     photo_free(&photo);

@@ -13,7 +13,13 @@ struct photo_paths {
     const char *added, *removed; /* lists of corrections (corrections.h); NULL: none */
 };
 
-/* Writes the output (and the picture); leaves how many rows are flagged, of how many. -1: an error, and no output. */
-int grains_of_photo(const struct scene *scene, const struct photo_paths *paths, size_t *flagged, size_t *total);
+/* What was found, for people. */
+struct photo_found {
+    size_t grains, flagged;
+    double least_px, most_px; /* radii of the rows that are not flagged; NaN: none */
+};
+
+/* Writes the output (and the picture), and says what was found. -1: an error, and no output. */
+int grains_of_photo(const struct scene *scene, const struct photo_paths *paths, struct photo_found *found);
 
 #endif

@@ -47,13 +47,20 @@ static int check(void *options)
 static int run(struct arguments *arguments)
 {
     struct scene scene = {0};
-    size_t flagged = 0, total = 0;
+    struct photo_found found;
     arguments->paths.photo = arguments->cli.inputs.paths[0];
     arguments->paths.output = arguments->cli.output;
     int status = overlay_check_path(arguments->paths.picture) || scene_read(arguments->cli.scene, &scene) ||
-                 grains_of_photo(&scene, &arguments->paths, &flagged, &total);
+                         grains_of_photo(&scene, &arguments->paths, &found)
+                     ? -1
+                     : 0;
     scene_free(&scene);
-    return status ? -1 : cli_flagged(&arguments->cli, flagged, total, "grains are flagged");
+    if (!status)
+        status = cli_flagged(&arguments->cli, found.flagged, found.grains, "grains are flagged");
+    if (!status)
+        cli_summary(&arguments->cli, "%zu grains, %zu flagged, radii %.3g-%.3g px", found.grains, found.flagged,
+                    found.least_px, found.most_px);
+    return status;
 }
 
 int main(int argc, char **argv)

@@ -25,6 +25,8 @@ static int run(const struct cli *cli)
         goto done;
     if (photo_write(cli->output, &photo) == 0)
         status = photo_truth_write(truth_path, &truth, &scene, index, cli->inputs.paths[0]);
+    if (status == 0)
+        cli_summary(cli, "%s: %d x %d px, %zu grains", cli->output, photo.width, photo.height, packing.grains.count);
 done:
     free(truth_path);
     photo_truth_free(&truth);

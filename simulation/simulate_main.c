@@ -41,6 +41,8 @@ static int run(const struct cli *cli)
         status = -1;
     if (!status && folder.unrelaxed)
         status = cli_flagged(cli, folder.unrelaxed, folder.states, "states did not come to rest");
+    if (!status)
+        cli_summary(cli, "%s: %zu states, %zu not at rest", cli->output, folder.states, folder.unrelaxed);
     free(parameters);
     simulation_plan_free(&plan);
     scene_free(&scene);

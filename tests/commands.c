@@ -80,13 +80,15 @@ void command_done(const char *format, ...)
     va_start(words, format);
     int status = run_line(format, words);
     va_end(words);
-    if (status || *command_err) {
+    int fine = !*command_err || (text_count(command_err, "\n") == 1 && command_err[strlen(command_err) - 1] == '\n' &&
+                                 !strncmp(command_err, format, strcspn(format, " ")) && !strstr(format, "--quiet"));
+    if (status || !fine) {
         va_start(words, format);
         tell(status, format, words);
         va_end(words);
     }
     assert_int_equal(status, 0);
-    assert_string_equal(command_err, "");
+    assert_true(fine);
 }
 
 void command_fails(int expected, const char *says, const char *format, ...)

@@ -16,7 +16,8 @@ extern char command_out[], command_err[];
 
 /* Run the words of a program of build/bin ("calibration scale ..."), split by the shell; its exit status. */
 int command_run(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* ... and it must end with 0 and nothing on standard error. */
+/* ... and it must end with 0 and nothing on standard error but the summary: one line of the program, none with --quiet.
+ */
 void command_done(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* ... and it must end with that status, nothing on standard output, and on standard error the text `says`: for
  * statuses other than 2 in one line that begins with the program's name. */

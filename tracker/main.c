@@ -1,6 +1,4 @@
 /* tracker: where the grains of the reference photo are in other photos. */
-#include <string.h>
-
 #include "pipeline/command/cli.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
@@ -20,31 +18,12 @@ static const struct option_row rows[] = {
      .help = "Tracks (or dic_out) of the photo before: where to look first"},
     {0}};
 
-static size_t stem_length(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    return dot && dot > name ? (size_t)(dot - name) : strlen(name);
-}
-
-static int same_stem(const char *a, const char *b)
-{
-    const char *x = basename(a), *y = basename(b);
-    return stem_length(x) == stem_length(y) && !strncmp(x, y, stem_length(x));
-}
-
-/* Tracks are named after their photos: two of one name would be one file. */
 static int check(void *input)
 {
     const struct options *options = input;
-    char *const *photos = options->cli.inputs.paths;
     if (!options->paths.grains || !options->paths.reference)
         return error_input("--grains and --reference are needed");
-    for (size_t k = 1; k < options->cli.inputs.count; k++)
-        for (size_t m = 0; m < k; m++)
-            if (same_stem(photos[k], photos[m]))
-                return error_input("%s and %s have one name and so one file of tracks: rename one, or track it alone",
-                                   photos[k], photos[m]);
-    return 0;
+    return track_series_names(options->cli.inputs.paths, options->cli.inputs.count);
 }
 
 static const char help[] =
@@ -60,14 +39,21 @@ static const char help[] =
 static int run(const struct options *options)
 {
     struct scene scene;
-    size_t flagged = 0, total = 0;
+    struct series_found found;
     struct series_paths paths = options->paths;
     paths.photos = options->cli.inputs.paths;
     paths.photo_count = options->cli.inputs.count;
     paths.output = options->cli.output;
-    int status = scene_read(options->cli.scene, &scene) || track_series(&scene, &paths, &flagged, &total);
+    int status = scene_read(options->cli.scene, &scene) || track_series(&scene, &paths, &found) ? -1 : 0;
     scene_free(&scene);
-    return status ? -1 : cli_flagged(&options->cli, flagged, total, "grains are flagged");
+    if (!status)
+        status = cli_flagged(&options->cli, found.flagged, found.grains, "grains are flagged");
+    if (!status)
+        cli_summary(&options->cli, "%zu photo%s: %zu of %zu followed, median motion %s%.3g px, median ZNCC %s%.3f",
+                    paths.photo_count, paths.photo_count > 1 ? "s" : "", found.grains - found.flagged, found.grains,
+                    paths.photo_count > 1 ? "up to " : "", found.motion_px, paths.photo_count > 1 ? "down to " : "",
+                    found.zncc);
+    return status;
 }
 
 int main(int argc, char **argv)

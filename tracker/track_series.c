@@ -4,6 +4,7 @@
 #include "tracker/track_series.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/files/json.h"
+#include "pipeline/numbers/quantiles.h"
 #include "pipeline/state/state.h"
 #include "pipeline/files/read_record.h"
 #include "tracker/original.h"
@@ -149,9 +151,33 @@ static int write_tracks(const struct series *series, const char *photo, const ch
     return state_commit(writer);
 }
 
+/* Medians over the rows that can be trusted, joined with those of the photos before. */
+static int count(const struct tracks *tracks, const struct photo_grains *reference, struct series_found *found)
+{
+    const struct photo_grains *g = &tracks->grains;
+    double *motion = malloc(2 * (g->count + 1) * sizeof *motion), *zncc = motion + g->count;
+    size_t n = 0;
+    if (!motion)
+        return error_memory("motions");
+    for (size_t k = 0; k < g->count; k++) {
+        if (g->flags[k] & GRAIN_DISTRUST)
+            continue;
+        motion[n] = hypot(g->x_seen_px[k] - reference->x_px[k], g->y_seen_px[k] - reference->y_px[k]);
+        zncc[n++] = g->zncc[k];
+    }
+    found->grains += g->count;
+    found->flagged += tracks_flagged(tracks);
+    if (n) {
+        found->motion_px = fmax(found->motion_px, median_of(motion, n));
+        found->zncc = fmin(found->zncc, median_of(zncc, n));
+    }
+    free(motion);
+    return 0;
+}
+
 /* One photo; its tracks become the previous ones. `previous` names the file of tracks that predicted it, or NULL. */
 static int track_one(struct series *series, const char *photo_path, const char *previous, const char *output,
-                     size_t *flagged, size_t *total)
+                     struct series_found *found)
 {
     struct photo_request request = scene_photo_request(series->scene);
     struct photo photo = {0};
@@ -167,8 +193,7 @@ static int track_one(struct series *series, const char *photo_path, const char *
         status = write_tracks(series, photo_path, photo.taken, previous, output, &tracks);
     photo_free(&photo);
     if (!status) {
-        *flagged += tracks_flagged(&tracks);
-        *total += tracks.grains.count;
+        status = count(&tracks, &series->grains, found);
         log_event("photo", "grains", (double)tracks.grains.count, "flagged", (double)tracks_flagged(&tracks), NULL);
         table_free(&PHOTO_GRAINS, &series->previous);
         series->previous = tracks.grains;
@@ -179,13 +204,35 @@ static int track_one(struct series *series, const char *photo_path, const char *
     return status;
 }
 
+/* Of a name without folders, its ending left out. */
+static size_t stem_length(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && dot > name ? (size_t)(dot - name) : strlen(name);
+}
+
+static int same_stem(const char *a, const char *b)
+{
+    const char *x = basename(a), *y = basename(b);
+    return stem_length(x) == stem_length(y) && !strncmp(x, y, stem_length(x));
+}
+
+int track_series_names(char *const *photos, size_t count)
+{
+    for (size_t k = 1; k < count; k++)
+        for (size_t m = 0; m < k; m++)
+            if (same_stem(photos[k], photos[m]))
+                return error_input("%s and %s have one name and so one file of tracks: rename one, or track it alone",
+                                   photos[k], photos[m]);
+    return 0;
+}
+
 /* DIR/0003.tracks.hdf for photos/0003.tif; to be freed. */
 static char *path_in_folder(const char *folder, const char *photo)
 {
-    const char *slash = strrchr(photo, '/'), *base = slash ? slash + 1 : photo, *dot = strrchr(base, '.');
-    int length = dot && dot > base ? (int)(dot - base) : (int)strlen(base);
+    const char *base = basename(photo);
     char *path;
-    if (asprintf(&path, "%s/%.*s.tracks.hdf", folder, length, base) < 0) {
+    if (asprintf(&path, "%s/%.*s.tracks.hdf", folder, (int)stem_length(base), base) < 0) {
         error_set(EXIT_FAILED, "out of memory: paths: use a machine with more memory");
         return NULL;
     }
@@ -198,10 +245,10 @@ static int is_folder(const char *path)
     return !stat(path, &status) && S_ISDIR(status.st_mode);
 }
 
-int track_series(const struct scene *scene, const struct series_paths *paths, size_t *flagged, size_t *total)
+int track_series(const struct scene *scene, const struct series_paths *paths, struct series_found *found)
 {
     struct series series = {.scene = scene, .paths = paths};
-    *flagged = *total = 0;
+    *found = (struct series_found){0, 0, NAN, NAN};
     int folder = is_folder(paths->output) || paths->photo_count > 1;
     int status = series_open(&series);
     if (!status && folder && !is_folder(paths->output) && mkdir(paths->output, 0777))
@@ -209,8 +256,7 @@ int track_series(const struct scene *scene, const struct series_paths *paths, si
     char *before = NULL;
     for (size_t k = 0; k < paths->photo_count && !status; k++) {
         char *output = folder ? path_in_folder(paths->output, paths->photos[k]) : strdup(paths->output);
-        status =
-            output ? track_one(&series, paths->photos[k], k ? before : paths->previous, output, flagged, total) : -1;
+        status = output ? track_one(&series, paths->photos[k], k ? before : paths->previous, output, found) : -1;
         free(before);
         before = output;
     }

@@ -4,6 +4,8 @@
 
 #include <cjson/cJSON.h>
 
+#include "pipeline/command/cli.h"
+
 int command_friction(int argc, char **argv);
 int command_hertz(int argc, char **argv);
 int command_laws(int argc, char **argv);
@@ -20,5 +22,8 @@ int calibration_write(const char *path, cJSON *object);
 
 /* Add a number; one that is not finite is left out. */
 void calibration_add(cJSON *object, const char *name, double value);
+
+/* cli_summary() of one result: "name value +- error"; without the error where it is not finite. */
+void calibration_tell(const struct cli *cli, const char *name, double value, double error);
 
 #endif

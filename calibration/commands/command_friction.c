@@ -122,6 +122,8 @@ static int run_forces(const struct options *options)
                              mu);
     if (!status)
         status = calibration_write(options->cli.output, describe_mobilised(&mobilised));
+    if (!status)
+        calibration_tell(&options->cli, "mu", mobilised.mu, mobilised.s_mu);
     free(fn);
     free(ft);
     return status;
@@ -140,6 +142,8 @@ static int run_tests(const struct options *options)
         status = friction_estimate(tests, count, &friction);
     if (status == 0)
         status = calibration_write(options->cli.output, describe(&friction));
+    if (status == 0)
+        calibration_tell(&options->cli, "mu", friction.mu, friction.tests > 1 ? friction.s_mu : NAN);
     free(tests);
     return status;
 }

@@ -86,6 +86,9 @@ static int run(const struct options *options)
         status = calibration_write(options->cli.output, describe(&fitted, &plate.points));
     if (!status && options->picture)
         status = lens_picture(options->picture, &plate.points, &fitted);
+    if (!status)
+        cli_summary(&options->cli, "%zu points, RMS %.3f px, largest correction %.3g px", fitted.used, fitted.rms,
+                    fitted.largest);
     plate_free(&plate);
     return status;
 }

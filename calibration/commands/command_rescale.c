@@ -116,6 +116,8 @@ static int run(struct options *options)
         status = calibration_write(options->cli.output, describe(&rescale));
     if (!status && options->picture)
         status = draw(options->picture, &rescale);
+    if (!status)
+        calibration_tell(&options->cli, "kn_N_per_m", rescale.kn, rescale.s_kn);
     for (size_t k = 0; states && k < count; k++)
         packing_free(&states[k]);
     free(states);

@@ -73,6 +73,8 @@ static int run(const struct options *options)
         status = scale_estimate(lengths, count, options->error_px, &scale);
     if (!status)
         status = calibration_write(options->cli.output, describe(&scale, count));
+    if (!status)
+        calibration_tell(&options->cli, "scale_m_per_px", scale.m_per_px, scale.s_m_per_px);
     free(lengths);
     return status;
 }

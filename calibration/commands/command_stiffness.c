@@ -159,6 +159,8 @@ static int fit_and_write(const struct options *options, const struct press_photo
         unused += !points[k].used;
     if (!status)
         status = cli_flagged(&options->cli, unused, count, "photos were not used");
+    if (!status)
+        calibration_tell(&options->cli, "kn_N_per_m", stiffness.kn, stiffness.s_kn);
     stiffness_free(&stiffness);
     force_record_free(&record);
     free(points);

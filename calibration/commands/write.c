@@ -41,3 +41,11 @@ void calibration_add(cJSON *object, const char *name, double value)
     if (isfinite(value))
         cJSON_AddNumberToObject(object, name, value);
 }
+
+void calibration_tell(const struct cli *cli, const char *name, double value, double error)
+{
+    if (isfinite(error))
+        cli_summary(cli, "%s %.5g +- %.2g", name, value, error);
+    else
+        cli_summary(cli, "%s %.5g", name, value);
+}

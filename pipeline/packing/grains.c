@@ -1,10 +1,11 @@
 #include "pipeline/packing/grains.h"
 
 const char *const GRAIN_FLAG_NAMES[32] = {
-    [0] = "cut",          [1] = "weak_edge",   [2] = "not_converged", [3] = "low_zncc",       [4] = "lost",
-    [5] = "ambiguous",    [6] = "out_of_view", [7] = "saturated",     [8] = "no_contrast",    [9] = "not_finite",
-    [10] = "overlapping", [16] = "fixed",      [18] = "rattler",      [19] = "floating",      [20] = "rescued",
-    [21] = "masked",      [22] = "flank",      [23] = "by_hand",      [24] = "speckled_fine", [25] = "vague",
+    [0] = "cut",          [1] = "weak_edge",      [2] = "not_converged", [3] = "low_zncc",    [4] = "lost",
+    [5] = "ambiguous",    [6] = "out_of_view",    [7] = "saturated",     [8] = "no_contrast", [9] = "not_finite",
+    [10] = "overlapping", [11] = "outside_range", [16] = "fixed",        [18] = "rattler",    [19] = "floating",
+    [20] = "rescued",     [21] = "masked",        [22] = "flank",        [23] = "by_hand",    [24] = "speckled_fine",
+    [25] = "vague",
 };
 
 #define DOUBLE(member, units, text) COLUMN(struct photo_grains, member, COLUMN_DOUBLE, units, text)

@@ -285,6 +285,7 @@ static void sliding_rods_give_their_friction(void **state)
         snprintf(words[k], sizeof words[k], "%.17g,%.17g,%g,%g,%g", p1, p2, arm, radius, alpha);
     }
     command_done("calibration friction %s -o mu.json", words[0]);
+    assert_string_equal(command_err, "calibration friction: mu 0.35\n");
     cJSON *object = json_of("mu.json", "film.friction/1");
     check_near(json_at(object, "mu"), mu[0], 1e-12);
     check_near(json_at(object, "phi_rad"), atan(mu[0]), 1e-12);

@@ -197,6 +197,30 @@ static void no_grain_is_an_error(void **state)
     }
 }
 
+/* Discs somewhat beyond the range are found too, and flagged; those within it are not. */
+static void radii_outside_the_range_are_flagged(void **state)
+{
+    (void)state;
+    static const double radii[] = {20, 25, 29.5, 26};
+    struct disc discs[ROOM];
+    size_t count = discs_pack(400, 400, radii, 4, 6, 5, discs, ROOM), outside = 0;
+    struct find_options options = options_for(22, 28);
+    struct photo photo;
+    struct photo_grains grains = {0};
+    paint_greys(discs, count, 20000, 40000);
+    check_done(discs_draw(400, 400, discs, count, &plain, &photo));
+    check_done(find_grains(&photo, &options, &grains, NULL));
+    for (size_t k = 0; k < grains.count; k++) {
+        double margin = 3 * grains.s_radius[k], radius = grains.radius_px[k];
+        int flagged = (grains.flags[k] & GRAIN_OUTSIDE_RANGE) != 0;
+        assert_int_equal(flagged, radius < 22 - margin || radius > 28 + margin);
+        outside += (size_t)flagged;
+    }
+    assert_true(outside > 0 && outside < grains.count);
+    table_free(&PHOTO_GRAINS, &grains);
+    photo_free(&photo);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -207,6 +231,7 @@ int main(void)
         cmocka_unit_test(cut_grain_is_flagged),
         cmocka_unit_test(frame_bounds_the_search),
         cmocka_unit_test(no_grain_is_an_error),
+        cmocka_unit_test(radii_outside_the_range_are_flagged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
