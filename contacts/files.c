@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/state/freshness.h"
 #include "pipeline/packing/packing_file.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
@@ -70,7 +71,8 @@ static int add(cJSON *object, const char *name, double value)
     return cJSON_AddNumberToObject(object, name, value) != NULL;
 }
 
-char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary)
+char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary,
+                           const struct scene *scene)
 {
     cJSON *object = cJSON_CreateObject();
     char *text = NULL;
@@ -92,7 +94,7 @@ char *contact_options_text(const struct contact_options *options, const struct c
         good = cJSON_AddStringToObject(object, "radii_doubtful", summary->doubt) != NULL;
     if (good && summary->loaded_overlap_px > 0)
         good = add(object, "overlap_of_loads_px", summary->loaded_overlap_px);
-    if (good)
+    if (good && !freshness_note(object, scene))
         text = json_print(object);
     cJSON_Delete(object);
     if (!text)
@@ -108,7 +110,7 @@ int contacts_write(const struct arguments *arguments, const struct scene *scene,
     size_t count = 0;
     const char **inputs = malloc((arguments->radii.count + 2) * sizeof *inputs);
     struct provenance provenance = PROVENANCE_DEFAULT;
-    char *parameters = contact_options_text(options, summary);
+    char *parameters = contact_options_text(options, summary, scene);
     if (!inputs || !parameters) {
         free(inputs);
         free(parameters);

@@ -24,7 +24,8 @@ int photo_state_is_reference(const struct photo_state *state, const struct scene
 
 /* The options as used, and the errors of what was found automatically, as the JSON text of the attribute `parameters`;
  * to be freed. */
-char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary);
+char *contact_options_text(const struct contact_options *options, const struct contact_summary *summary,
+                           const struct scene *scene);
 
 /* The state file, with its inputs, parameters and what it is as a whole. */
 int contacts_write(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,

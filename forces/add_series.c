@@ -13,6 +13,7 @@
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/state/freshness.h"
 #include "pipeline/files/new_file.h"
 #include "pipeline/packing/packing_file.h"
 
@@ -77,7 +78,8 @@ static int compare_members(const void *a, const void *b)
 static int read_members(const struct series_request *request, struct member *members)
 {
     for (size_t k = 0; k < request->count; k++) {
-        if (packing_read(request->inputs[k], &members[k].packing))
+        if (packing_read(request->inputs[k], &members[k].packing) ||
+            freshness_check(request->inputs[k], &members[k].packing.info, request->scene))
             return -1;
     }
     qsort(members, request->count, sizeof *members, compare_members);
