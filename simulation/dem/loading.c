@@ -1,3 +1,9 @@
+/* The machine. Units: with p the pressure (N/m) and m the mean mass of a grain, (m / p)^1/2 is the time in which the
+ * pressure moves a grain by about its size; strain rate times that time is the inertial number I, and I << 1 is
+ * quasi-static (GDR MiDi 2004). Rates follow from I, time steps from the stiffest contact: dt = time_step (m_min /
+ * k)^1/2.
+ *
+ * A step moves the wall, or changes its stress, at that rate, then relaxes to static equilibrium at the end of it. */
 #include "simulation/dem/loading.h"
 
 #include <math.h>
@@ -8,6 +14,7 @@
 const char *const LOADING_TEST_NAMES[TESTS + 1] = {"isotropic",    "biaxial_vertical", "biaxial_horizontal",
                                                    "simple_shear", "oedometer",        "cyclic"};
 
+/* kg. */
 static double mean_mass(const struct dem *dem)
 {
     double mass = 0;
@@ -16,6 +23,7 @@ static double mean_mass(const struct dem *dem)
     return mass;
 }
 
+/* m: the largest radius, or the smallest when `largest` is 0. */
 static double extreme_radius(const struct dem *dem, int largest)
 {
     double radius = dem->grains[0].radius;
@@ -36,6 +44,9 @@ static double expected_force(const struct loading *loading)
     return force;
 }
 
+/* What follows from the settings, once: friction of the preparation, pressure, the stiffness that sets the time step
+ * (that of the largest grains at ten times the force to be expected, since force chains carry several times the
+ * mean), and the dust, a force that counts as none. -1 with an error when nothing presses the grains. */
 static int loading_prepare(struct loading *loading)
 {
     const struct simulation *simulation = loading->simulation;
@@ -62,6 +73,7 @@ static int loading_prepare(struct loading *loading)
     return 0;
 }
 
+/* Area of the grains over that of the box; overlaps are counted twice, which is of no matter at kappa >> 1. */
 static double solid_fraction(const struct dem *dem)
 {
     double area = 0;
@@ -79,6 +91,7 @@ static int is_loaded(const struct loading *loading)
     return fabs(x - 1) < 0.1 && fabs(y - 1) < 0.1;
 }
 
+/* The tolerance is the simulation's; the steps count into loading->steps. */
 int loading_relax(struct loading *loading)
 {
     const struct simulation *simulation = loading->simulation;
@@ -97,6 +110,8 @@ static int step(struct loading *loading, struct stepping *stepping)
     return dem_step(dem, &loading->servo, stepping);
 }
 
+/* Both walls come in under the servo until they have carried the pressure for 200 steps on end: one step may be a
+ * collision. A slight drag, relative to the motion of the box, takes out the energy of collisions. */
 static int compress(struct loading *loading)
 {
     static const double LOOSE = 0.75, HASTE = 20; /* no force yet below this solid fraction: come faster */
@@ -136,6 +151,8 @@ static int settle(struct loading *loading)
     return 0;
 }
 
+/* State 0. When the preparation had another friction, the packing relaxes under that first, then under the law's:
+ * less friction while compressing gives a denser packing. loading->size is the reference of all strains. */
 int loading_begin(struct loading *loading)
 {
     struct dem *dem = &loading->dem;
@@ -152,6 +169,7 @@ int loading_begin(struct loading *loading)
     return done;
 }
 
+/* Time steps in `duration` (s), at least one. */
 static long steps_in(const struct loading *loading, double duration)
 {
     return (long)ceil(duration / loading->time_step) + 1;
@@ -205,6 +223,8 @@ static double stress_duration(const struct loading *loading, double change)
     return fabs(change) * fmax(2 / (kappa * loading->simulation->inertial), 10) * loading->time_unit;
 }
 
+/* For ramp(): the same amount (N/m) per time step on both walls; walls only push, so stresses stay above
+ * SIMULATION_STRESS_MIN of the pressure. */
 static void set_isotropic(struct loading *loading, double amount, double share)
 {
     struct servo *servo = &loading->servo;
@@ -213,6 +233,7 @@ static void set_isotropic(struct loading *loading, double amount, double share)
     servo->stress_y = fmax(servo->stress_y + amount, SIMULATION_STRESS_MIN * loading->pressure);
 }
 
+/* The same on the top wall alone. */
 static void set_vertical(struct loading *loading, double amount, double share)
 {
     double kept = loading->servo.stress_x;
@@ -220,6 +241,7 @@ static void set_vertical(struct loading *loading, double amount, double share)
     loading->servo.stress_x = kept;
 }
 
+/* Change the stress by `change` (over the pressure of state 0) in equal parts, then relax. */
 static int stress_step(struct loading *loading, double change, void (*set)(struct loading *, double, double))
 {
     long steps = steps_in(loading, stress_duration(loading, change));
@@ -228,6 +250,7 @@ static int stress_step(struct loading *loading, double change, void (*set)(struc
     return loading_relax(loading);
 }
 
+/* For ramp(): sigma_yy = p (1 + a sin 2 pi t), t in cycles since state 0, so that steps of any size join. */
 static void set_swing(struct loading *loading, double cycles, double share)
 {
     const double two_pi = 6.283185307179586;
@@ -235,6 +258,7 @@ static void set_swing(struct loading *loading, double cycles, double share)
     loading->servo.stress_y = loading->pressure * (1 + loading->simulation->amplitude * sin(two_pi * phase));
 }
 
+/* A cycle changes the stress by 4 amplitudes on its way; it takes the time that so much change takes. */
 static int cyclic_step(struct loading *loading, double cycles)
 {
     long steps = steps_in(loading, stress_duration(loading, 4 * loading->simulation->amplitude * cycles));

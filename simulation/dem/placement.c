@@ -1,3 +1,7 @@
+/* Where the grains start. By grading: on a grid of square cells, 2.05 times as wide as the largest radius, so that
+ * nothing touches; each grain is moved at random within its cell, so that the packing
+ * does not inherit the order of the grid. Random numbers have a key per purpose and grain: they depend on the seed
+ * alone. */
 #include "simulation/dem/placement.h"
 
 #include <math.h>
@@ -5,13 +9,17 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
+/* Purposes of random numbers. */
 enum { KEY_SHUFFLE = 1, KEY_JITTER = 2 };
 
+/* A stream of random numbers per purpose. */
 static uint64_t key_of(const struct simulation *simulation, uint64_t purpose)
 {
     return random_bits(simulation->seed, purpose);
 }
 
+/* Radius (m), mass rho pi R^2 L and moment of inertia m R^2 / 2 of a rod about its axis. A length that is not known
+ * is 1 m: forces are then N per metre of rod. */
 static void grain_give(struct dem_grain *grain, double radius, const struct simulation *simulation)
 {
     grain->radius = radius;
@@ -31,6 +39,7 @@ static void shuffle(struct dem *dem, uint64_t key)
     }
 }
 
+/* The grains of the grading in a box that is about `aspect` times as wide as high. -1 with an error. */
 static int placement_loose(const struct simulation *simulation, struct dem *dem)
 {
     size_t count = 0, k = 0;
@@ -108,6 +117,8 @@ static int check_corners(const struct simulation *simulation, const struct dem *
     return 0;
 }
 
+/* The discs as given, in the order given; without a box there are no walls, and only fixed discs and loads hold
+ * them. */
 static int placement_by_hand(const struct simulation *simulation, struct dem *dem)
 {
     if (check_discs(simulation) || dem_alloc(dem, simulation->disc_count))

@@ -202,6 +202,8 @@ static const struct dem_pair *old_pair(const struct dem *dem, const struct dem_p
     return NULL;
 }
 
+/* Relative motion of each touching pair since `then`, along n and t. A pair that did not touch then is passed over and,
+ * with flags, marked new. Both lists are sorted alike: one walk through both. */
 static void write_motion(const struct dem *dem, const struct snapshot *then, double *un, double *ut, uint32_t *flags)
 {
     size_t row = 0, from = 0;
@@ -218,6 +220,8 @@ static void write_motion(const struct dem *dem, const struct snapshot *then, dou
     }
 }
 
+/* The pairs that touch, in the order of the list: grain pairs by (i, j), then walls. The contact point lies in the
+ * middle of the overlap. */
 static int write_contacts(const struct dem *dem, struct packing *packing)
 {
     static const char *const columns[] = {"i", "j", "nx", "ny", "x", "y", "overlap", "un", "ut", "flags", NULL};
@@ -303,6 +307,8 @@ static int write_residuals(const struct packing *packing, struct forces *forces)
     return 0;
 }
 
+/* The forces of the simulation as method "dem", started from "history": friction springs hold what has happened to
+ * them. The imbalance is the largest component of the unbalanced force (moments over the radius) over <fn>. */
 static int write_forces(const struct dem *dem, struct packing *packing)
 {
     static const char *const columns[] = {"fn", "ft", "status", NULL};
