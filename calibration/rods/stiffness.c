@@ -29,6 +29,7 @@ void stiffness_free(struct stiffness *stiffness)
 
 /* ---- the fits ---- */
 
+/* x = a0 + a1 F by weighted least squares; chi2, INFINITY where it cannot be fitted. */
 static double line_chi2(struct branch *branch, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
     double chi2 = INFINITY;
@@ -39,6 +40,7 @@ static double line_chi2(struct branch *branch, double a[FIT_MOST], double cov[FI
     return fit_linear(branch->rows, branch->x, branch->w, branch->count, 2, a, cov, &chi2) ? INFINITY : chi2;
 }
 
+/* Two slopes that meet at the force `at`, N. */
 static double bilinear_chi2(struct branch *branch, double at, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
     double chi2 = INFINITY;
@@ -61,12 +63,14 @@ static double power_chi2(struct branch *branch, double m, double a[FIT_MOST], do
     return fit_linear(branch->rows, branch->x, branch->w, branch->count, 2, a, cov, &chi2) ? INFINITY : chi2;
 }
 
+/* For the golden section over the force of the kink. */
 static double bilinear_at(double at, void *user)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST];
     return bilinear_chi2(user, at, a, cov);
 }
 
+/* For the golden section over the exponent. */
 static double power_at(double m, void *user)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST];
@@ -102,6 +106,7 @@ static void stiffness_of(const struct branch *branch, double slope, double varia
     *s = factor * sqrt(variance) * branch->scale / (slope * slope);
 }
 
+/* Weighted root mean square of the residuals, m. */
 static double rms(const struct branch *branch, double chi2)
 {
     double weight = 0;
@@ -140,6 +145,7 @@ static void fit_bilinear(struct branch *branch, struct press_fit *fit)
     fit->s_break = factor * sqrt(cov[3][3]) * branch->scale;
 }
 
+/* x = a0 + a1 F^m: F = c x^n with n = 1 / m. */
 static void fit_power(struct branch *branch, struct press_fit *fit)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST], b[FIT_MOST];

@@ -22,6 +22,7 @@ struct work {
     double *block;
 };
 
+/* n values each. */
 static double dot(const double *a, const double *b, size_t n)
 {
     double sum = 0;
@@ -114,6 +115,7 @@ static int evaluate(struct work *work, const double *x, double *gradient, double
     return 0;
 }
 
+/* In size, over n values. */
 static double largest(const double *g, size_t n)
 {
     double most = 0;
@@ -149,6 +151,7 @@ static void find_direction(struct work *work)
     }
 }
 
+/* A pair (step, change of the gradient) for the metric of L-BFGS; the oldest gives way. */
 static void remember(struct work *work)
 {
     int k = work->kept ? (work->newest + 1) % MEMORY : 0;
@@ -187,6 +190,8 @@ static int go_down(struct work *work, double most, double *energy)
     return 0;
 }
 
+/* L-BFGS until no component of the gradient is above UNPRESS_TOLERANCE of the largest contact force. history: the
+ * energy (J) of each iteration, at most `room`; may be NULL. 0, or -1. */
 static int minimise(struct work *work, double most, double *history, size_t room, struct unpress *result)
 {
     double energy;
@@ -232,6 +237,7 @@ static void choose_free(struct work *work)
     }
 }
 
+/* One block for all vectors. -1 without memory. */
 static int work_alloc(struct work *work)
 {
     const struct dem *dem = work->dem;

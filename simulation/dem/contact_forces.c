@@ -7,6 +7,7 @@ struct instant {
     double dt, dashpots;
 };
 
+/* A side or a corner of the box, not a grain. */
 static int is_wall(const struct dem *dem, const struct dem_pair *pair)
 {
     return (size_t)pair->j >= dem->count;
@@ -34,6 +35,8 @@ static inline struct geometry disc_geometry(const struct dem_grain *g, double x,
     return (struct geometry){dx / distance, dy / distance, reach - distance};
 }
 
+/* Normal from i outwards and overlap of a pair. At a side the normal is the wall's outward one, and the overlap is R
+ * less the distance of the centre. */
 static struct geometry pair_geometry(const struct dem *dem, const struct dem_pair *pair)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
@@ -120,6 +123,7 @@ static int pair_update(struct dem *dem, size_t p, struct instant now, double *lo
     return 0;
 }
 
+/* fn n + ft t on j, N; t is n turned by +90 degrees. */
 static struct vec pair_vector(const struct dem_pair *pair)
 {
     return vec(pair->fn * pair->nx - pair->spring.ft * pair->ny, pair->fn * pair->ny + pair->spring.ft * pair->nx);
@@ -145,6 +149,8 @@ static void act_on_corner(struct dem_box *box, int k, struct vec force)
     }
 }
 
+/* Adds a grain's force to its wall and to what it does on the box's freedoms: virtual work per unit of width, height
+ * and shear, hence the height of the contact point as lever of the shear. */
 static void act_on_wall(struct dem *dem, const struct dem_pair *pair, struct vec force)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
@@ -166,6 +172,7 @@ static void act_on_wall(struct dem *dem, const struct dem_pair *pair, struct vec
     }
 }
 
+/* What acts from outside: loads and gravity, before any contact. */
 static void grain_loads(const struct dem *dem, struct dem_grain *g)
 {
     g->fx = g->load_x + g->mass * dem->gravity.x;
@@ -173,6 +180,7 @@ static void grain_loads(const struct dem *dem, struct dem_grain *g)
     g->moment = g->load_m;
 }
 
+/* One thread: each pair once, its force to both sides. */
 static void scatter(struct dem *dem, struct instant now)
 {
     size_t walls = dem->first[dem->count];
@@ -191,6 +199,7 @@ static void scatter(struct dem *dem, struct instant now)
     }
 }
 
+/* The sum of one grain in a fixed order, whatever thread does it. */
 static void gather_grain(struct dem *dem, size_t k)
 {
     struct dem_grain *g = &dem->grains[k];
@@ -208,6 +217,8 @@ static void gather_grain(struct dem *dem, size_t k)
             act(g, &dem->pairs[p], pair_vector(&dem->pairs[p]), -1);
 }
 
+/* Many threads: first all pairs, each by the thread of its first grain; then each grain collects its own. No two
+ * threads write to one place, and sums have one order. */
 static void gather(struct dem *dem, struct instant now)
 {
 #pragma omp parallel
@@ -228,6 +239,7 @@ static void gather(struct dem *dem, struct instant now)
             act_on_wall(dem, &dem->pairs[p], pair_vector(&dem->pairs[p]));
 }
 
+/* N/m: sets the time step. All contacts of a linear law have kn. */
 static double stiffest_contact(const struct dem *dem)
 {
     if (contact_law_row(&dem->law)->linear)
@@ -246,6 +258,7 @@ static void walls_work(struct dem_box *box)
         box->work -= 0.5 * box->push[f] * (box->size[f] - box->worked_size[f]);
 }
 
+/* Walls, pairs, forces. 0, or -1 without memory for the pairs. */
 static int all_forces(struct dem *dem, struct instant now)
 {
     dem_place_walls(dem);

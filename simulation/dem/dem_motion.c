@@ -35,6 +35,8 @@ static double wall_mass(const struct dem *dem)
     return free ? mass / sqrt((double)free) : 1;
 }
 
+/* The walls: where a stress is held, Newton's second law for a wall of fictitious mass (the shear's inertia is that
+ * times the height squared), its rate limited to servo->fastest; else the rate that is set, or none. */
 static void box_step(struct dem *dem, const struct servo *servo, double dt)
 {
     struct dem_box *box = &dem->box;

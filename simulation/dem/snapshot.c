@@ -37,6 +37,7 @@ void snapshot_free(struct snapshot *snapshot)
     memset(snapshot, 0, sizeof *snapshot);
 }
 
+/* Places, masses and flags of all grains; columns of loads only when gravity or a load acts. */
 static int write_grains(const struct dem *dem, struct grains *grains)
 {
     static const char *const columns[] = {"x", "y", "radius", "angle", "mass", "inertia", "flags", NULL};
@@ -109,6 +110,8 @@ static void write_corners(const struct dem *dem, const struct snapshot *previous
     }
 }
 
+/* The four sides, then the corner discs, with the loads from outside that balance the grains; with `previous`, their
+ * motion since. */
 static int write_walls(const struct dem *dem, const struct servo *servo, const struct snapshot *previous,
                        struct walls *walls)
 {
