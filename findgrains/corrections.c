@@ -15,6 +15,7 @@
 #define BY_HAND_SPREAD 0.05 /* of the radius: how well a person clicks */
 #define MOST_OUTSIDE 0.5    /* of the radius: how far the centre of a cut grain may lie outside the photo */
 
+/* One correction more; the list doubles when it is full. */
 static int add(struct corrections *corrections, struct correction item)
 {
     if (corrections->count == corrections->room) {
@@ -100,6 +101,7 @@ int corrections_check(const struct corrections *corrections, int width, int heig
     return 0;
 }
 
+/* Candidates whose circle holds the place, px. */
 static int take_away(const struct correction *item, struct candidates *found)
 {
     size_t kept = 0;

@@ -32,6 +32,7 @@ static double mean_noise(const struct rims *rims)
     return count > 0 ? sum / count : NAN;
 }
 
+/* Always -1: a photo without any grain is an error, since no later stage could say more. */
 static int no_grain(const char *why)
 {
     return error_input("no grain found: %s: check the photo, grains.radius_px and frame.corners_px of the scene", why);

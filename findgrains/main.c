@@ -35,6 +35,7 @@ static const struct option_row rows[] = {
      .help = "False circles, one \"x y\" (px of the photo, anywhere inside) per line"},
     {0}};
 
+/* For struct program: corrections change the list, and --refine keeps it. */
 static int check(void *options)
 {
     const struct photo_paths *paths = &((const struct arguments *)options)->paths;

@@ -16,6 +16,7 @@ static const char SUMMARY_HEADER[] =
     "index,exx,eyy,gamma,sxx_N_per_m,syy_N_per_m,sxy_N_per_m,applied_xx_N_per_m,applied_yy_N_per_m,applied_xy_N_per_m,"
     "kappa,solid,z,h,rattlers,sliding,inertial_number,stored_J,lost_J,work_J,unbalanced,static,steps\n";
 
+/* A table of text in memory, with its line of headings. -1 without memory. */
 static int table_begin(struct text_table *table, const char *header)
 {
     table->stream = open_memstream(&table->text, &table->size);
@@ -62,6 +63,7 @@ static char *state_name(const struct series_folder *folder, int64_t index)
     return name;
 }
 
+/* FOLDER/NAME, to be freed; NULL with an error. */
 static char *path_in(const struct series_folder *folder, const char *name)
 {
     char *path = NULL;
@@ -72,6 +74,7 @@ static char *path_in(const struct series_folder *folder, const char *name)
     return path;
 }
 
+/* One state as a line of states.csv; what is not known is an empty cell. */
 static void summary_row(FILE *stream, const struct simulation_state *s)
 {
     const double numbers[] = {s->strain[0],     s->strain[1],    s->strain[2],     s->stress[0][0],
@@ -150,6 +153,7 @@ int series_folder_save(const struct packing *packing, const struct simulation_st
     return 0;
 }
 
+/* The table as a whole file or none. 0, or -1 with an error. */
 static int table_write(struct text_table *table, const char *path)
 {
     struct new_file file;

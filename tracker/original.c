@@ -14,6 +14,7 @@
 
 enum { DIC = 13, CIRCLES = 4, COLUMNS_MAX = DIC, ROWS_MAX = 10000000 };
 
+/* One file of the original programs; `values`, rows x columns, is owned. */
 struct text {
     const char *path;
     size_t rows;
@@ -52,6 +53,7 @@ static int parse_line(char *line, double values[COLUMNS_MAX])
     return count;
 }
 
+/* The number of columns tells which kind of file it is. */
 static int first_row(struct text *text, int columns)
 {
     if (columns != CIRCLES && columns != DIC)
@@ -61,6 +63,7 @@ static int first_row(struct text *text, int columns)
     return text->values ? 0 : error_memory("a text file");
 }
 
+/* The first line: the number of rows, a whole number from 1 to ROWS_MAX. */
 static int read_count(struct text *text, char *line, double values[COLUMNS_MAX])
 {
     int count = parse_line(line, values);
@@ -113,6 +116,7 @@ static int read_lines(FILE *file, struct text *text)
     return status;
 }
 
+/* 0, or -1 with an error; text->values is to be freed either way. */
 static int text_read(const char *path, struct text *text)
 {
     *text = (struct text){.path = path};
@@ -126,16 +130,19 @@ static int text_read(const char *path, struct text *text)
     return status;
 }
 
+/* Row k, borrowed. */
 static const double *row_of(const struct text *text, size_t k)
 {
     return text->values + k * (size_t)text->columns;
 }
 
+/* A row by where it is, px, for matching two files. */
 struct place {
     double x, y;
     size_t row;
 };
 
+/* For qsort(): by x, then y, then row. */
 static int by_place(const void *left, const void *right)
 {
     const struct place *a = left, *b = right;

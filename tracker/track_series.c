@@ -19,6 +19,7 @@
 #include "tracker/original.h"
 #include "tracker/tracker_options.h"
 
+/* A run over several photos: what is read once, and the tracks of the photo before, from which the next one starts. */
 struct series {
     const struct scene *scene;
     const struct series_paths *paths;
@@ -79,6 +80,7 @@ static int read_grains(const char *path, const char *coordinates, const char *co
     return status;
 }
 
+/* Everything that can be wrong is found here, before the first photo is tracked. 0, or -1 with an error. */
 static int series_open(struct series *series)
 {
     static const char *const circle[] = {"x_px", "y_px", "radius_px", "flags", NULL};
@@ -114,6 +116,7 @@ static int series_open(struct series *series)
     return series->tracker ? 0 : -1;
 }
 
+/* Accepts what a failed series_open() leaves. */
 static void series_close(struct series *series)
 {
     tracker_close(series->tracker);
@@ -123,6 +126,8 @@ static void series_close(struct series *series)
     free(series->parameters);
 }
 
+/* The tracks of one photo as a state file, with its inputs: grains, reference, photo, and the tracks that it started
+ * from. */
 static int write_tracks(const struct series *series, const char *photo, const char *taken, const char *previous,
                         const char *path, const struct tracks *tracks)
 {

@@ -38,6 +38,7 @@ static const char documentation[] =
     "position. Name the file in the scene: \"lens\": \"lens.json\".\n\n"
     "Example: calibration lens --reference plate0.tif plate1.tif plate2.tif plate3.tif -o lens.json";
 
+/* For struct program: the fit needs a reference and enough moved photos. */
 static int check(void *input)
 {
     const struct options *options = input;

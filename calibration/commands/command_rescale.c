@@ -39,6 +39,7 @@ static const struct option_row rows[] = {
      .help = "Rescaled against measured stress as a picture (.svg, .pdf, .png)"},
     {0}};
 
+/* For struct program: forces that are there have their kt / kn already. */
 static int check(void *input)
 {
     const struct rescale_options *rescale = &((const struct options *)input)->rescale;

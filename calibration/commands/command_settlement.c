@@ -77,6 +77,7 @@ static int check(void *input)
 
 /* ---- tracked ---- */
 
+/* One grain's displacements (m) and trends; owned by the caller. */
 static cJSON *describe_grain(size_t row, const struct grain_settlement *grain)
 {
     cJSON *object = cJSON_CreateObject();
@@ -95,6 +96,7 @@ static cJSON *describe_grain(size_t row, const struct grain_settlement *grain)
     return object;
 }
 
+/* The estimate from tracked grains as JSON. 0, or -1 with an error. */
 static int write_estimate(const struct options *o, const struct settle_estimate *estimate)
 {
     cJSON *object = cJSON_CreateObject(), *rows = cJSON_CreateArray();
@@ -113,6 +115,7 @@ static int write_estimate(const struct options *o, const struct settle_estimate 
     return cli_flagged(&o->cli, estimate->unused, estimate->grains, "grains were lost at the end of a cycle");
 }
 
+/* From state files: trends of grains that were seen. */
 static int run_tracked(const struct options *o)
 {
     struct scene scene = {.scale = NAN};
@@ -134,6 +137,7 @@ static int run_tracked(const struct options *o)
 
 /* ---- simulated ---- */
 
+/* What each jump promised and where it arrived, m; owned by the caller. */
 static cJSON *describe_jumps(const struct settle_result *result)
 {
     cJSON *rows = cJSON_CreateArray();
@@ -191,6 +195,7 @@ static int add_cycles(struct chart *chart, const double *full, const double *qui
     return 0;
 }
 
+/* Settlement and coordination over the cycles, extrapolated against simulated. */
 static int draw(const char *path, const struct settle_result *quick, const struct settle_result *full)
 {
     size_t n = quick->cycles + 1;
@@ -205,6 +210,7 @@ static int draw(const char *path, const struct settle_result *quick, const struc
     return status;
 }
 
+/* The extrapolated run, and its errors against the full one where that was asked for. */
 static int write_runs(const struct options *o, const struct settle_result *quick, const struct settle_result *full)
 {
     cJSON *object = cJSON_CreateObject();

@@ -9,6 +9,7 @@
 #include "pipeline/files/json.h"
 #include "pipeline/files/new_file.h"
 
+/* The text and a line end. 0, or -1 with an error that names the file. */
 static int write_text(const char *path, const char *text)
 {
     FILE *file = fopen(path, "w");

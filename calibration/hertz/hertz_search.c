@@ -15,6 +15,7 @@
 
 const char *const HERTZ_METHODS[] = {"newton", "adam", NULL};
 
+/* One search; found and goal are the caller's. */
 struct search {
     const struct hertz_goal *goal;
     hertz_evaluate *evaluate;
@@ -52,11 +53,13 @@ static int ask(struct search *search, struct hertz_trial *trials, size_t count)
 
 /* ---- Adam (Kingma and Ba 2014) on e = E* / E*_0 and v = nu* / nu*_0 ---- */
 
+/* Place and step in the two freedoms (shares of the first guess), and the two running means of Adam. */
 struct adam {
     double at[2], step[2];
     double m[2], g[2];
 };
 
+/* e and v are shares of the goal's guess; Poisson's ratio is kept in its range. */
 static struct hertz_trial trial_at(const struct hertz_goal *goal, double e, double v)
 {
     double poisson = fmin(fmax(goal->grain_poisson * v, 0), HERTZ_MOST_POISSON);
@@ -72,6 +75,7 @@ static double adam_rate(const struct hertz_goal *goal, int freedom, double at, d
     return freedom ? HERTZ_RATE_POISSON : HERTZ_SHARE * fabs(at * (pow(goal->young / young, 1.5) - 1));
 }
 
+/* One step of Adam (Kingma and Ba 2015), the gradient by differences: two or three probes. t counts from 1. */
 static int adam_iteration(struct search *search, struct adam *adam, int t)
 {
     const double b1 = 0.9, b2 = 0.999, tiny = 1e-8;
@@ -97,6 +101,7 @@ static int adam_iteration(struct search *search, struct adam *adam, int t)
     return 0;
 }
 
+/* Until the goal is reached or the next iteration would need more probes than allowed. */
 static int search_adam(struct search *search)
 {
     const struct hertz_goal *goal = search->goal;
@@ -130,6 +135,7 @@ static void closed_jacobian(const struct hertz_goal *goal, double nu, double j[2
     j[1][1] = (poisson[1] - poisson[0]) / h;
 }
 
+/* What is still missing: ln of the ratio of Young's moduli, and the difference of Poisson's ratios. */
 static void rest_of(const struct hertz_goal *goal, const struct hertz_trial *trial, double rest[2])
 {
     rest[0] = log(goal->young / trial->young);

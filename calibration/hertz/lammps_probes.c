@@ -54,6 +54,7 @@ static const char PROBE[] =
     "print \"RESULT $(c_stress[1]-v_x:%.15g) $(c_stress[2]-v_y:%.15g) $(c_stress[3]-v_z:%.15g) $(1-lz/v_l:%.15g) "
     "$(vol:%.15g) $(c_mean:%.15g) $(step)\"\n";
 
+/* The three texts one after the other, into the folder. 0, or -1 with an error. */
 static int write_file(const struct lammps_probes *probes, const char *name, const char *begin, const char *middle,
                       const char *end)
 {
@@ -149,6 +150,7 @@ static double largest_diameter(const struct simulation *simulation)
     return most;
 }
 
+/* m3, of all grains as spheres. */
 static double volume_of(const struct simulation *simulation)
 {
     double volume = 0;
@@ -157,6 +159,7 @@ static double volume_of(const struct simulation *simulation)
     return volume;
 }
 
+/* Number of all grains. */
 static long grains_of(const struct simulation *simulation)
 {
     long count = 0;
@@ -226,6 +229,7 @@ static int pack(struct lammps_probes *probes, double young, double poisson)
     return 0;
 }
 
+/* m: half of the grains are smaller. */
 static double median_diameter(const struct simulation *s)
 {
     long half = grains_of(s) / 2, passed = 0;

@@ -20,6 +20,7 @@ void probe_record_close(struct probe_record *record)
     memset(record, 0, sizeof *record);
 }
 
+/* A row more in memory. -1 without memory. */
 static int keep(struct probe_record *record, const struct probe_row *row)
 {
     struct probe_row *rows = realloc(record->rows, (record->count + 1) * sizeof *rows);
@@ -76,6 +77,7 @@ static int read_rows(FILE *file, const char *what, struct probe_record *record, 
     return status;
 }
 
+/* One line at the end of the file: a search that is broken off loses at most one probe. */
 static int append(const char *path, const char *text)
 {
     FILE *file = fopen(path, "a");

@@ -19,6 +19,7 @@
 
 enum { ITERATIONS = 60 };
 
+/* Always -1: motions that are too small or all alike do not tell the lens. */
 static int singular(void)
 {
     return error_input("lens: the equations of the plate are singular: take photos with larger motions");
@@ -155,6 +156,7 @@ static int fit(struct problem *problem, char *inside, double *work, double *matr
     return 0;
 }
 
+/* Points that were followed, over all photos. */
 static size_t measured(const struct lens_points *points)
 {
     size_t n = 0;

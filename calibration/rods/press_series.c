@@ -23,6 +23,7 @@ void force_record_free(struct force_record *record)
     memset(record, 0, sizeof *record);
 }
 
+/* A point of the force record; both arrays grow together. -1 without memory. */
 static int record_add(struct force_record *record, size_t *room, double at, double force)
 {
     if (record->count == *room) {
@@ -40,6 +41,7 @@ static int record_add(struct force_record *record, size_t *room, double at, doub
     return 0;
 }
 
+/* One line "at,force_N"; times or indices must increase. */
 static int parse_row(char *line, const char *path, long number, struct force_record *record, size_t *room)
 {
     double at, force;
@@ -55,6 +57,7 @@ static int parse_row(char *line, const char *path, long number, struct force_rec
     return record_add(record, room, at, force);
 }
 
+/* The header says whether rows count by time (s) or by the photo's index; empty lines are passed over. */
 static int parse_file(FILE *file, const char *path, struct force_record *record)
 {
     char *line = NULL;

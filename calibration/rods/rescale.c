@@ -37,11 +37,13 @@ void rescale_free(struct rescale *rescale)
     memset(rescale, 0, sizeof *rescale);
 }
 
+/* xx, yy and the symmetric xy of a tensor. */
 static void three(double sigma[2][2], double out[3])
 {
     out[0] = sigma[0][0], out[1] = sigma[1][1], out[2] = 0.5 * (sigma[0][1] + sigma[1][0]);
 }
 
+/* Stresses that the loads say, per state; with increments, since the first. */
 static int measure(struct job *job)
 {
     int first = job->options->increments;
@@ -61,6 +63,7 @@ static int measure(struct job *job)
     return job->used ? 0 : error_input("no stress is measured: the walls of the files carry no loads: give loads.csv");
 }
 
+/* Weber's stress of the forces of one state. */
 static int weber(struct packing *packing, const struct contact_forces *forces, double out[3])
 {
     double sigma[2][2], area;
@@ -136,6 +139,7 @@ static double best_factor(const struct job *job, double *factor, double *curvatu
     return rest;
 }
 
+/* For the golden section over kt / kn; INFINITY after a failure, which job->status keeps. */
 static double misfit_at(double ratio, void *user)
 {
     struct job *job = user;

@@ -49,6 +49,7 @@ static double line_chi2(struct branch *branch, double a[FIT_MOST], double cov[FI
     return solve(branch, 2, a, cov);
 }
 
+/* Two slopes that meet at the force `at`, N. */
 static double bilinear_chi2(struct branch *branch, double at, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
     for (size_t k = 0; k < branch->count; k++) {
@@ -69,12 +70,14 @@ static double power_chi2(struct branch *branch, double m, double a[FIT_MOST], do
     return solve(branch, 2, a, cov);
 }
 
+/* For the golden section over the force of the kink. */
 static double bilinear_at(double at, void *user)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST];
     return bilinear_chi2(user, at, a, cov);
 }
 
+/* For the golden section over the exponent. */
 static double power_at(double m, void *user)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST];
@@ -110,6 +113,7 @@ static void stiffness_of(const struct branch *branch, double slope, double varia
     *s = factor * sqrt(variance) * branch->scale / (slope * slope);
 }
 
+/* Weighted root mean square of the residuals, m. */
 static double rms(const struct branch *branch, double chi2)
 {
     double weight = 0;
@@ -148,6 +152,7 @@ static void fit_bilinear(struct branch *branch, struct press_fit *fit)
     fit->s_break = factor * sqrt(cov[3][3]) * branch->scale;
 }
 
+/* x = a0 + a1 F^m: F = c x^n with n = 1 / m. */
 static void fit_power(struct branch *branch, struct press_fit *fit)
 {
     double a[FIT_MOST], cov[FIT_MOST][FIT_MOST], b[FIT_MOST];

@@ -14,6 +14,7 @@
 #include "simulation/dem/loading.h"
 #include "simulation/dem/placement.h"
 
+/* A cyclic test that is running, simulated or jumped over; result is the caller's. */
 struct run {
     const struct settle_options *options;
     struct simulation simulation;
@@ -35,6 +36,7 @@ void settle_result_free(struct settle_result *result)
     memset(result, 0, sizeof *result);
 }
 
+/* The present values that trends are fitted to: x and y of each grain, then the box's width and height, m. */
 static void look(struct run *run)
 {
     const struct dem *dem = &run->loading.dem;
@@ -44,6 +46,7 @@ static void look(struct run *run)
     run->now[2 * dem->count + 1] = dem->box.size[BOX_HEIGHT];
 }
 
+/* 2 Nc / Np, contacts between grains only. */
 static double coordination(const struct dem *dem)
 {
     size_t contacts = 0;
@@ -52,12 +55,14 @@ static double coordination(const struct dem *dem)
     return 2 * (double)contacts / (double)dem->count;
 }
 
+/* Settlement (m, fall of the top wall since cycle 0) and coordination of the present cycle. */
 static void note(struct run *run)
 {
     run->result->settlement[run->cycle] = run->result->height - run->loading.dem.box.size[BOX_HEIGHT];
     run->result->z[run->cycle] = coordination(&run->loading.dem);
 }
 
+/* m, over all touching pairs. */
 static double largest_overlap(const struct dem *dem)
 {
     double most = 0;
@@ -133,6 +138,8 @@ static int place_ahead(struct run *run, const struct cycle_ends *ends, size_t h,
     return 0;
 }
 
+/* After a jump grains may overlap by more than any contact: then they are moved apart at the least cost in elastic
+ * energy. `before`, m: the largest overlap before the jump. 0, or -1. */
 static int part(struct run *run, double before)
 {
     struct unpress unpressed;
@@ -150,6 +157,7 @@ static int part(struct run *run, double before)
     return 0;
 }
 
+/* To static equilibrium; a failure to rest is counted, not an error. */
 static int relax(struct run *run)
 {
     int rested = loading_relax(&run->loading);
@@ -157,6 +165,7 @@ static int relax(struct run *run)
     return rested < 0 ? -1 : 0;
 }
 
+/* Records a jump: what was promised by the trends and where the relaxation arrived, m. */
 static int jump_note(struct run *run, double before, double promised)
 {
     struct settle_result *result = run->result;
@@ -181,6 +190,7 @@ static void stretch(struct dem *dem, const double *size)
     memcpy(dem->box.size, size, 2 * sizeof *size);
 }
 
+/* From the extrapolated places to equilibrium. */
 static int come_to_rest(struct run *run, double before)
 {
     struct unpress carried;
@@ -204,6 +214,7 @@ static int arrive(struct run *run, double before, const double *promised, double
     return status;
 }
 
+/* Extrapolate all values `ahead` cycles, or to the last one, and relax there. 0, or -1. */
 static int jump(struct run *run, const struct cycle_ends *ends)
 {
     const double *size = run->loading.dem.box.size;
@@ -223,6 +234,7 @@ static int jump(struct run *run, const struct cycle_ends *ends)
     return jump_note(run, settled, settles);
 }
 
+/* Initial cycles, then training and jumps in turn until all cycles are done. */
 static int run_all(struct run *run)
 {
     const struct settle_options *options = run->options;
@@ -242,6 +254,7 @@ static int run_all(struct run *run)
     return status;
 }
 
+/* -1 without memory; the result is freed by the caller either way. */
 static int result_alloc(struct run *run)
 {
     struct settle_result *result = run->result;
@@ -261,6 +274,7 @@ static int result_alloc(struct run *run)
     return 0;
 }
 
+/* Settings that cannot work together are errors of input. */
 static int check(const struct simulation *simulation, const struct settle_options *options)
 {
     if (simulation->test != TEST_CYCLIC)

@@ -31,6 +31,7 @@ static int take(size_t count, const double *x, const double *y, const uint32_t *
     return *at ? 0 : error_memory("positions");
 }
 
+/* Places in m from px by the scene's scale. */
 static int read_tracks(const struct state *state, const char *path, double scale, size_t *count, double **at)
 {
     static const char *const needed[] = {"x_px", "y_px", NULL};
@@ -46,6 +47,7 @@ static int read_tracks(const struct state *state, const char *path, double scale
     return status;
 }
 
+/* Places of a file of contacts or forces, m. */
 static int read_si(const struct state *state, size_t *count, double **at)
 {
     static const char *const needed[] = {"x", "y", NULL};
@@ -58,6 +60,7 @@ static int read_si(const struct state *state, size_t *count, double **at)
     return status;
 }
 
+/* x and y of every row, to *at, to be freed. */
 static int read_positions(const char *path, double scale, size_t *count, double **at)
 {
     struct state_info info = {0};
@@ -104,6 +107,7 @@ void settle_estimate_free(struct settle_estimate *estimate)
     memset(estimate, 0, sizeof *estimate);
 }
 
+/* A coordinate of one state, m; NaN where it is not to be trusted. */
 static double at(const struct settle_series *series, size_t state, size_t value)
 {
     return series->at[state * 2 * series->grains + value];
@@ -132,6 +136,8 @@ static double reversible(const struct settle_series *series, const struct settle
     return sum;
 }
 
+/* Trends of both coordinates at the ends of cycles, and the displacement that they promise. A grain that is not
+ * known in one of those states is not used. */
 static int fit_grain(const struct settle_series *series, const struct settle_wanted *wanted, size_t cycles,
                      size_t grain, const double *t, double *u, struct grain_settlement *out)
 {
@@ -175,6 +181,7 @@ static double hold_out(const struct settle_series *series, const struct settle_w
     return sqrt(difference / whole);
 }
 
+/* How many cycles Chernoff's bound asks for, the median and the largest over the used grains. */
 static int bound(const struct settle_wanted *wanted, struct settle_estimate *estimate)
 {
     size_t n = 0;

@@ -26,6 +26,7 @@ struct work {
     double *block;
 };
 
+/* n values each. */
 static double dot(const double *a, const double *b, size_t n)
 {
     double sum = 0;
@@ -240,6 +241,7 @@ static void choose_free(struct work *work)
     }
 }
 
+/* One block for all vectors. -1 without memory. */
 static int work_alloc(struct work *work)
 {
     const struct dem *dem = work->dem;

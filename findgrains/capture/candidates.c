@@ -35,6 +35,7 @@ static int three_way(double a, double b)
     return (a > b) - (a < b);
 }
 
+/* For qsort(): by merit; equal ones by place, so that the order is total. */
 static int better_first(const void *left, const void *right)
 {
     const struct candidate *a = left, *b = right;
@@ -46,6 +47,7 @@ static int better_first(const void *left, const void *right)
     return order ? order : three_way(a->rim.radius, b->rim.radius);
 }
 
+/* No kept circle is nearer than `share` of the sum of the radii. */
 static int clear_of(const struct candidates *list, const struct cell_grid *kept, double largest, const struct rim *rim,
                     double share)
 {

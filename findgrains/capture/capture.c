@@ -24,6 +24,7 @@ struct ray_edge {
     double x, y, r, fall; /* fall: 0 to 1, full from half the grain's contrast on */
 };
 
+/* Edges along rays from a first guess of the centre outwards, PER_RAY at most on each, the strongest first. */
 struct rays {
     double cos[RAYS], sin[RAYS];
     struct ray_edge edges[RAYS][PER_RAY];
@@ -46,6 +47,7 @@ static double inner_level(const struct level *level, const struct rim *place)
     return sum / count;
 }
 
+/* Keeps the list in order; the weakest falls out. */
 static void insert_edge(struct rays *rays, int ray, const struct ray_edge *edge)
 {
     struct ray_edge *list = rays->edges[ray];
@@ -193,6 +195,8 @@ static double trials_for(double support)
     return log(1e-3) / log(1 - share * share * share);
 }
 
+/* RANSAC over three edges of three rays (Fischler and Bolles 1981); random numbers by `key` and trial. Returns the
+ * support of the best circle. */
 static double best_circle(const struct rays *rays, const struct rim *place, uint64_t key, struct rim *best)
 {
     double support = 0, needed = TRIALS;

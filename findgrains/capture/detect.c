@@ -32,6 +32,7 @@
 #define SMALLEST_TILE 64.0 /* px: smaller radii than 1 px would make tiles of nothing */
 enum { AGAIN = 3, CHUNK = 256, MOST_OCTAVES = 24 };
 
+/* One search of a photo; `sure` collects circles that later windows need not look at. */
 struct search {
     const struct photo *photo;
     const struct zone *zone;
@@ -72,6 +73,7 @@ static int make_levels(const struct search *search, struct octave *octave)
                : 0;
 }
 
+/* Accepts what a failed make_levels() leaves. */
 static void free_levels(struct octave *octave)
 {
     cover_free(&octave->cover);
@@ -79,6 +81,7 @@ static void free_levels(struct octave *octave)
     level_free(&octave->coarse);
 }
 
+/* From px of the photo to pixels of a level; to_photo() goes back. */
 static struct rim to_level(const struct level *level, const struct rim *rim)
 {
     return (struct rim){.x = (rim->x - level->x0) / level->scale,
@@ -94,6 +97,7 @@ static void to_photo(const struct level *level, struct candidate *item)
     item->spread *= level->scale;
 }
 
+/* Supported nearly all round, and from every side. */
 static int is_sure(const struct candidate *item)
 {
     return item->support >= SURE_SUPPORT && item->one_side <= SURE_ONE_SIDED;
@@ -204,6 +208,7 @@ static int search_octave(struct search *search, double low, double high)
     return 0;
 }
 
+/* Octave by octave, from large radii to small ones: large grains cover what small circles could be seen in. */
 static int search_range(struct search *search, double low, double high)
 {
     int octaves = (int)fmax(1, fmin(MOST_OCTAVES, ceil(log2(high / low) - 1e-9)));

@@ -30,6 +30,7 @@ struct extremes {
     int count;
 };
 
+/* One side of the frame as a line through the rims that touch it, px. */
 struct side {
     double offset, slope;                 /* e = offset + slope t */
     double s_offset, s_slope, mean;       /* of t: there offset and slope err independently */
@@ -43,6 +44,7 @@ static struct vec outward_of(int side)
     return outward[side];
 }
 
+/* px from the centre to the rim in that direction, shape included; angles are counter-clockwise as seen, y is down. */
 static double rim_towards(const struct photo_grains *grains, size_t k, struct vec direction)
 {
     double r = grains->radius_px[k];
@@ -53,6 +55,7 @@ static double rim_towards(const struct photo_grains *grains, size_t k, struct ve
     return r;
 }
 
+/* A trusted row with a place and a radius. */
 static int usable(const struct photo_grains *grains, size_t k)
 {
     return !(grains->flags[k] & GRAIN_DISTRUST) && isfinite(grains->x_px[k] + grains->y_px[k] + grains->radius_px[k]);
@@ -95,6 +98,7 @@ static void gather(const struct photo_grains *grains, int side, double t0, doubl
         }
 }
 
+/* One for each rim at the line; rims behind it, which no wall allows, count against it. */
 static int score_of(const struct extremes *extremes, double offset, double slope)
 {
     int score = 0;

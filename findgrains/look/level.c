@@ -11,6 +11,7 @@
 
 #define MOST_TIMES 16 /* the photo magnified: radii of 1 px ask for 6 */
 
+/* Pixels outside the frame get one grey level: no edges are found there. */
 static void mask_outside(const struct zone *zone, double outside, struct level *level)
 {
     if (!zone->has_frame)

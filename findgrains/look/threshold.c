@@ -44,6 +44,7 @@ static int level_of_rank(const uint32_t *histogram, int first, uint64_t rank)
     return LEVELS - 1;
 }
 
+/* The level that parts the histogram into two groups of largest variance between them (Otsu 1979). */
 static void find_otsu(const uint32_t *histogram, uint64_t total, struct grey_levels *levels)
 {
     double all = 0, all_squared = 0;

@@ -12,6 +12,7 @@ static int clamp(double value, int low, int high)
     return value < low ? low : value > high ? high : (int)value;
 }
 
+/* Inward normals of the four sides; -1 when the corners are in the wrong order. */
 static int make_sides(struct zone *zone)
 {
     for (int side = 0; side < 4; side++) {
@@ -25,6 +26,7 @@ static int make_sides(struct zone *zone)
     return 0;
 }
 
+/* The whole pixels around the corners. */
 static int make_box(struct zone *zone)
 {
     double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;

@@ -63,6 +63,7 @@ static double normal_stiffness(const struct stiffness *k, size_t row)
     return contact_pair_stiffness(&k->options->law, &pair, k->forces->fn[row]);
 }
 
+/* N/m, over the contacts: the unit of the matrix. */
 static double mean_stiffness(const struct stiffness *k)
 {
     double sum = 0;
@@ -119,6 +120,7 @@ static void geometric_block(const struct stiffness *k, const struct network_cont
     add_product(ft / (2 * k->network->radius), lines->r, lines->vn, block);
 }
 
+/* In units of the mean; 0 for a contact without friction, or one that slips where slipping contacts may slide. */
 static double tangential_stiffness(const struct stiffness *k, const struct network_contact *contact, int slips)
 {
     int free = contact->mu == 0 || (slips && k->forces->status[contact->row] == STATUS_SLIP);
@@ -172,6 +174,7 @@ static int fill(struct stiffness *k, int slips, double *bound)
     return 0;
 }
 
+/* For Lanczos: out = K x. */
 static int multiply(void *user, const double *x, double *out)
 {
     const struct stiffness *k = user;
@@ -186,6 +189,7 @@ static int multiply(void *user, const double *x, double *out)
     return 0;
 }
 
+/* For Lanczos: out = K^-1 x. */
 static int solve(void *user, const double *x, double *out)
 {
     return sparse_solve(((struct stiffness *)user)->matrix, x, out);

@@ -63,6 +63,7 @@ static void neighbours_free(struct neighbours *near)
     free(near->contact), free(near->mark), free(near->block);
 }
 
+/* -1 without memory. */
 static int neighbours_begin(size_t contacts, struct neighbours *near)
 {
     near->contact = malloc((contacts + 1) * sizeof *near->contact);
@@ -71,6 +72,7 @@ static int neighbours_begin(size_t contacts, struct neighbours *near)
     return near->contact && near->mark && near->block ? 0 : error_memory("contact problem");
 }
 
+/* For qsort(): ascending. */
 static int compare_integers(const void *a, const void *b)
 {
     int x = *(const int *)a, y = *(const int *)b;
@@ -205,6 +207,7 @@ static hid_t create_dataset(hid_t file, const char *name, hid_t type, hid_t spac
     return data;
 }
 
+/* One dimension, `count` values; not 0 on failure. */
 static int write_array(hid_t file, const char *name, hid_t file_type, hid_t memory_type, int count, const void *values)
 {
     hsize_t dims = (hsize_t)count;
@@ -264,6 +267,7 @@ static int make_timeless_groups(hid_t file)
     return failed;
 }
 
+/* What the numbers mean, in words and units, for whoever opens the file. */
 static int write_info(hid_t file, const struct network *network)
 {
     char text[600];

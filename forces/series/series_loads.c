@@ -24,6 +24,7 @@ struct balance {
     double force;  /* N: the network's unit */
 };
 
+/* NULL is accepted. */
 static void balances_free(struct balance *balance, size_t count)
 {
     for (size_t s = 0; balance && s < count; s++)
@@ -124,6 +125,7 @@ static double disagreement_at(double log_stiffness, void *user)
     return disagreement(balances->balance, balances->count, exp(log_stiffness), &offset);
 }
 
+/* N/m: the one at which the states' balances disagree least, sought in ln kn within RANGE of the given one. */
 static double best_stiffness(const struct balance *balance, size_t count, double given)
 {
     struct balances balances = {balance, count};

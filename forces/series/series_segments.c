@@ -18,6 +18,7 @@
 #define TRUSTED 0.97      /* share of links that must agree */
 #define LEAST_ERROR 0.015 /* <fn>: of the law along a step that is not small */
 
+/* By the present forces: the contact bears, and its tangential force is within `share` of the cone. */
 static int sticks(const struct series_state *state, size_t c, double ft, double share)
 {
     double fn = state->f[c][0];
@@ -36,6 +37,7 @@ static long *rows_to_contacts(const struct series_state *state)
     return index;
 }
 
+/* rad; NaN without that column. */
 static double angle_of(const struct grains *g, size_t k)
 {
     return g->angle ? g->angle[k] : NAN;
@@ -54,6 +56,7 @@ static double tangential_motion(const struct packing *before, size_t b, const st
            (g->radius[j] - half) * (angle_of(g, j) - angle_of(h, j));
 }
 
+/* A variance from an optional standard error; 0 where it is not known. */
 static double squared(const double *column, size_t k)
 {
     double s = column_or_zero(column, k);
@@ -88,6 +91,7 @@ struct link {
     int agrees;   /* with the estimate of both forces */
 };
 
+/* The change of ft between two states is what the motion between them says, to AGREES standard errors. */
 static int agree(const struct series *series, size_t s, const struct link *link)
 {
     const struct series_state *now = &series->state[s], *before = &series->state[s - 1];

@@ -18,6 +18,7 @@ void series_state_free(struct series_state *state)
     memset(state, 0, sizeof *state);
 }
 
+/* Places of all vectors in one block; with block NULL only its length, so that counting and placing cannot differ. */
 static size_t lay_out(struct series_state *state, size_t unknowns, double *block)
 {
     struct arena taken = {.block = block}, *arena = &taken;
@@ -38,6 +39,7 @@ static size_t lay_out(struct series_state *state, size_t unknowns, double *block
     return arena->used;
 }
 
+/* -1 without memory; series_state_free() frees what is there. */
 static int state_alloc(struct series_state *state, size_t unknowns)
 {
     size_t n = state->network.count + 1;

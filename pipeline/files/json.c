@@ -1,3 +1,7 @@
+/* Reading JSON: the strict scanner (json_scan.h) sees the text first and notes where each value stands; then cJSON
+ * makes the tree; then keys are looked through for repetitions, which cJSON would let pass (the first would win).
+ * Places and items come in the same order, that of the text, so an item is found among the places by counting: slow,
+ * but only an error asks for it. */
 #include "pipeline/files/json.h"
 
 #include <errno.h>
@@ -12,6 +16,7 @@
 #include "pipeline/files/input_file.h"
 #include "pipeline/files/json_scan.h"
 
+/* 64 MB: what people and programs write is far smaller. */
 enum { JSON_MAX_BYTES = 1 << 26 };
 
 struct json {
@@ -53,6 +58,7 @@ static const struct json_place *find_place(const struct json *json, const cJSON 
     return NULL;
 }
 
+/* "name:line:column: message" for the item's value, or for its key; without a place, "name: message". */
 static void error_at(const struct json *json, const cJSON *item, int at_key, const char *message)
 {
     size_t line, column;
@@ -88,11 +94,13 @@ __attribute__((format(printf, 3, 4))) static int key_error(const struct json *js
     return -1;
 }
 
+/* A member and its number in the text, for sorting. */
 struct keyed {
     const cJSON *item;
     size_t order;
 };
 
+/* For qsort(): by key, then by place in the text, so that of equal keys the later one is the repetition. */
 static int compare_keys(const void *a, const void *b)
 {
     const struct keyed *x = a, *y = b;
@@ -136,6 +144,7 @@ static int check_duplicates(const struct json *json)
     return 0;
 }
 
+/* From json->text to json->root. 0, or -1 with an error; json_free() frees what was made either way. */
 static int parse(struct json *json)
 {
     struct json_scan scan = {.text = json->text, .name = json->name, .length = json->length};
@@ -194,6 +203,7 @@ static char *read_stream(FILE *file, const char *path, size_t *length)
     return text;
 }
 
+/* The file in memory, *length bytes and no zero at its end; to be freed; NULL with an error. */
 static char *read_whole(const char *path, size_t *length)
 {
     FILE *file = input_file_open(path, JSON_MAX_BYTES);
@@ -231,6 +241,7 @@ const cJSON *json_root(const struct json *json)
 
 /* ---- keys ---- */
 
+/* Letters; longer words are like nothing. */
 enum { LONGEST_KEY = 64 };
 
 /* Edits (insert, delete, replace) that turn a into b (Levenshtein 1966, the row-by-row table of Wagner and Fischer
@@ -329,6 +340,7 @@ static int range_error(const struct json *json, const cJSON *item, const char *k
     return json_error(json, item, "'%s' must be %s: give one %s%s", key, kind, low, high);
 }
 
+/* A finite number in [min, max]: the scanner has refused all others. */
 static int check_number(const struct json *json, const cJSON *item, const char *key, double min, double max)
 {
     if (!cJSON_IsNumber(item))

@@ -1,3 +1,7 @@
+/* A recursive-descent parser of RFC 8259 that makes nothing: it moves a cursor over the text, refuses what is not
+ * strict JSON, and notes where values stand. Each scan_...() begins with the cursor on the first byte of its piece
+ * and leaves it behind the last; 0, or -1 with an error that has line and column. Depth is limited by
+ * JSON_MAX_DEPTH, so the stack is. */
 #include "pipeline/files/json_scan.h"
 
 #include <stdio.h>
@@ -23,6 +27,7 @@ void json_line_column(const char *text, size_t offset, size_t *line, size_t *col
     }
 }
 
+/* Always -1: the message at the line and column of `offset`. */
 static int scan_error(const struct json_scan *scan, size_t offset, const char *message)
 {
     size_t line, column;
@@ -36,6 +41,7 @@ static int peek(const struct json_scan *scan)
     return scan->at < scan->length ? (unsigned char)scan->text[scan->at] : -1;
 }
 
+/* The four blanks of RFC 8259; no others, and no comments. */
 static void skip_space(struct json_scan *scan)
 {
     int c;
@@ -61,6 +67,8 @@ static int scan_hex(struct json_scan *scan, unsigned *value)
     return 0;
 }
 
+/* A backslash and what belongs to it. \u0000 is refused, since strings end with a zero in C; halves of surrogate
+ * pairs are, since they are no character. */
 static int scan_escape(struct json_scan *scan)
 {
     size_t start = scan->at++;
@@ -87,6 +95,7 @@ static int scan_escape(struct json_scan *scan)
     return 0;
 }
 
+/* A string with its quotes: UTF-8, no control characters, known escapes. */
 static int scan_string(struct json_scan *scan)
 {
     size_t start = scan->at++;
@@ -112,6 +121,7 @@ static int scan_string(struct json_scan *scan)
     }
 }
 
+/* How many decimal digits were passed. */
 static size_t skip_digits(struct json_scan *scan)
 {
     size_t start = scan->at;
@@ -144,6 +154,7 @@ static int number_has_form(struct json_scan *scan)
     return 1;
 }
 
+/* A number of JSON's form, not longer than cJSON can take, and finite as a double. */
 static int scan_number(struct json_scan *scan)
 {
     char digits[MAX_NUMBER_LENGTH + 1];
@@ -161,6 +172,7 @@ static int scan_number(struct json_scan *scan)
     return 0;
 }
 
+/* true, false or null. Whatever is no value of another kind ends here, too, with the error for it. */
 static int scan_word(struct json_scan *scan)
 {
     static const char *const words[] = {"true", "false", "null"};
@@ -176,6 +188,7 @@ static int scan_word(struct json_scan *scan)
     return scan_error(scan, scan->at, "not JSON: a value is a number, \"text\", true, false, null, [...] or {...}");
 }
 
+/* Note one value; the list doubles when it is full. -1 without memory. */
 static int add_place(struct json_scan *scan, size_t key, size_t value)
 {
     if (scan->count == scan->capacity) {

@@ -1,3 +1,8 @@
+/* Atomic by rename(2): in one file system it replaces the target in one step, so that readers see the old file or
+ * the new one. Flushed before (the content is on the disk when the name is) and after (the name is).
+ *
+ * Signals: a handler may neither lock nor allocate (POSIX signal-safety), so the names that it has to remove lie in
+ * a fixed table, each row guarded by an atomic state; a handler sees whole names only. */
 #include "pipeline/files/new_file.h"
 
 #include <errno.h>
@@ -23,6 +28,7 @@ static struct pending {
     char path[PATH_MAX];
 } pending[PENDING_FILES];
 
+/* Note a temporary name for the handler; without room it is left out. */
 static void remember(const char *path)
 {
     size_t length = strlen(path);
@@ -36,6 +42,7 @@ static void remember(const char *path)
     }
 }
 
+/* The name is gone, or a file that stays. */
 static void forget(const char *path)
 {
     for (int k = 0; k < PENDING_FILES; k++)
@@ -66,6 +73,7 @@ void new_file_remove_on_signals(void)
 
 /* ---- one file ---- */
 
+/* Accepts a zeroed struct; leaves one. */
 static void free_names(struct new_file *file)
 {
     free(file->path);
@@ -82,6 +90,7 @@ static char *resolve(const char *path)
     return realpath(path, NULL);
 }
 
+/* 0 when the target is absent or a regular file; -1 with an error. */
 static int check_target(const char *path)
 {
     struct stat status;
@@ -145,6 +154,7 @@ void new_file_discard(struct new_file *file)
     free_names(file);
 }
 
+/* fsync through a descriptor of its own; -1 with errno. */
 static int sync_path(const char *path, int flags)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | flags);
@@ -157,6 +167,7 @@ static int sync_path(const char *path, int flags)
     return failed;
 }
 
+/* The folder of that path, where rename() has changed an entry. -1 with errno. */
 static int sync_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');

@@ -32,12 +32,14 @@ struct row {
     double value[3];
 };
 
+/* A file of loads in memory. */
 struct table {
     enum kind kind;
     struct row *rows; /* by index, then by line */
     size_t count;
 };
 
+/* Where the reader is, for errors with file and line. */
 struct reader {
     const char *path;
     FILE *file;
@@ -48,6 +50,7 @@ struct reader {
 
 /* ---- lines ---- */
 
+/* In place; blanks at both ends. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -77,6 +80,7 @@ static char *next_line(struct reader *reader, int *failed)
     return NULL;
 }
 
+/* FIELDS fields at commas, in place; -1 with an error. */
 static int split(const struct reader *reader, char *line, char *fields[FIELDS])
 {
     int count = 0;
@@ -94,6 +98,7 @@ static int split(const struct reader *reader, char *line, char *fields[FIELDS])
     return 0;
 }
 
+/* Its place among four; -1: none. */
 static int find_word(const char *const words[4], const char *text)
 {
     for (int k = 0; k < 4; k++)
@@ -114,6 +119,7 @@ static int read_cell(const struct reader *reader, const char *cell, double *valu
 
 /* ---- rows ---- */
 
+/* The header tells the kind: by wall, by corner or by stress. */
 static int read_header(struct reader *reader, enum kind *kind)
 {
     int failed = 0;
@@ -220,6 +226,7 @@ static int take_photo(const char *path, const struct table *table, int64_t index
     return 0;
 }
 
+/* For sums in which a load that is not known weighs nothing. */
 static double known_or_zero(double value)
 {
     return isnan(value) ? 0 : value;
@@ -266,6 +273,7 @@ static double largest_load(const struct table *table)
     return largest;
 }
 
+/* Loads that pull are an error: loose grains bear compression only. */
 static int check_sign(const char *path, const struct table *table, int64_t index, const struct rows *rows)
 {
     double press = pressing(table->kind, rows);
@@ -280,6 +288,7 @@ static int check_sign(const char *path, const struct table *table, int64_t index
 
 /* ---- loads of the walls ---- */
 
+/* N on one wall; an error when there is no such wall. */
 static int set_load(const char *path, struct walls *walls, int side, struct vec force)
 {
     long w = walls_find(walls, sides[side]);
@@ -308,6 +317,7 @@ static struct vec stress_load(const struct rows *rows, const struct walls *walls
     return vec(-(sxx * outward.x + xy_of_x * outward.y) * area, -(xy_of_y * outward.x + syy * outward.y) * area);
 }
 
+/* Pa on the sides, times their length and that of the rods. */
 static int apply_stress(const char *path, const struct rows *rows, double length_m, struct walls *walls)
 {
     if (!(length_m > 0))
@@ -342,6 +352,7 @@ static int apply_corners(const char *path, struct rows *rows, struct walls *wall
     return 0;
 }
 
+/* The loads of one photo, by kind, to the walls' fx and fy. */
 static int apply(const char *path, enum kind kind, struct rows *rows, double length_m, struct walls *walls)
 {
     if (table_add(&WALLS, walls, "fx") || table_add(&WALLS, walls, "fy"))

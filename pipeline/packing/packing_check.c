@@ -13,6 +13,7 @@
 
 /* ---- pairs ---- */
 
+/* A contact by its bodies, for sorting. */
 struct pair {
     int64_t i, j;
     size_t row;
@@ -28,6 +29,7 @@ static int compare_pairs(const void *left, const void *right)
     return a->row < b->row ? -1 : a->row > b->row;
 }
 
+/* No two contacts join the same bodies. */
 static int check_pairs(const char *path, const struct contacts *contacts)
 {
     struct pair *pairs = malloc((contacts->count + 1) * sizeof *pairs);
@@ -57,6 +59,7 @@ static double overlap_of_circles(const struct packing *packing, size_t c, double
     return radius + partner - distance;
 }
 
+/* The normal points from i to j, as the centres say. */
 static int check_contact(const char *path, const struct packing *packing, size_t c)
 {
     const struct contacts *contacts = &packing->contacts;
@@ -86,6 +89,7 @@ static int check_contact(const char *path, const struct packing *packing, size_t
     return 0;
 }
 
+/* Of contacts whose rows and bodies are trusted. */
 static int check_geometry(const char *path, const struct packing *packing)
 {
     const uint32_t *flags = packing->grains.flags;
@@ -136,6 +140,7 @@ static int check_columns(const char *path, const struct table_kind *kind, const 
     return 0;
 }
 
+/* Standard errors are not negative, loads not infinite. */
 static int check_numbers(const char *path, const struct packing *packing)
 {
     static const char error[] = "a standard error below 0", load[] = "an infinite load";

@@ -13,6 +13,7 @@
 
 /* ---- reading ---- */
 
+/* A trusted grain has a finite centre and a positive radius; masses are not negative. */
 static int check_grains(const char *path, const struct grains *grains)
 {
     for (size_t k = 0; k < grains->count; k++)
@@ -29,6 +30,7 @@ static int check_grains(const char *path, const struct grains *grains)
     return 0;
 }
 
+/* 0 <= i < j, in range: all later code indexes by them. */
 static int check_contacts(const char *path, const struct packing *packing)
 {
     const struct contacts *contacts = &packing->contacts;
@@ -62,6 +64,7 @@ static int check_walls(const char *path, const struct walls *walls)
     return 0;
 }
 
+/* A packing may have none; loads that the file lacks are NaN. */
 static int read_walls(const struct state *state, const char *path, struct walls *walls)
 {
     static const char *const required[] = {"name", "x0", "y0", "x1", "y1", "radius", NULL};
@@ -84,6 +87,7 @@ static int read_indeterminacy(const struct state *state, struct indeterminacy *o
     return 0;
 }
 
+/* All but the forces. 0, or -1 with an error. */
 static int read_tables(const struct state *state, const char *path, struct packing *packing)
 {
     static const char *const of_grains[] = {"x", "y", "radius", "mass", "inertia", "flags", NULL};
@@ -98,6 +102,7 @@ static int read_tables(const struct state *state, const char *path, struct packi
                : 0;
 }
 
+/* What a method says of its forces as a whole; NaN where it says nothing. */
 static int read_attributes(const struct state *state, const char *group, struct forces *forces)
 {
     double iterations = 0, converged = 0, infeasible = 0, solved = NAN, stress[4] = {NAN, NAN, NAN, NAN};
@@ -154,6 +159,7 @@ static int check_rows_of_grains(const char *path, const char *group, const struc
     return 0;
 }
 
+/* /forces/METHOD: one row per contact, one residual per grain. */
 static int read_method(const struct state *state, const char *path, const char *method, const struct packing *packing,
                        struct forces *forces)
 {
@@ -174,6 +180,7 @@ static int read_method(const struct state *state, const char *path, const char *
     return check_rows_of_grains(path, group, packing, forces);
 }
 
+/* All methods of the file, in the order of their names. */
 static int read_forces(const struct state *state, const char *path, struct packing *packing)
 {
     char **methods;
@@ -256,6 +263,7 @@ static int write_verdict(struct state_writer *writer, const char *group, const s
            (*forces->reasons && state_write_text(writer, group, "reasons", forces->reasons));
 }
 
+/* Tables first, then what holds of them as a whole. */
 static int write_method(struct state_writer *writer, const struct forces *forces)
 {
     char group[64];

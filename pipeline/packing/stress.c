@@ -6,6 +6,7 @@
 
 #include "pipeline/speak/error.h"
 
+/* Area times the rods' length, m3; the area, m2, where it is not known: stresses are then N/m. */
 static double volume(const struct packing *packing, double area)
 {
     return isnan(packing->length_m) ? area : area * packing->length_m;
@@ -123,6 +124,7 @@ void stress_applied(const struct packing *packing, double area, double sigma[2][
 
 enum { HULL_POINTS_PER_RIM = 64 };
 
+/* For the convex hull. */
 static int by_x_then_y(const void *left, const void *right)
 {
     const struct vec *a = left, *b = right;
@@ -131,6 +133,7 @@ static int by_x_then_y(const void *left, const void *right)
     return (a->y > b->y) - (a->y < b->y);
 }
 
+/* Twice the area of the triangle a b c; positive: counter-clockwise. */
 static double turn(struct vec a, struct vec b, struct vec c)
 {
     return vec_cross(vec_sub(b, a), vec_sub(c, a));

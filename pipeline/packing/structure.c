@@ -45,6 +45,7 @@ struct equations {
 };
 static const size_t NONE = (size_t)-1;
 
+/* Rattlers and grains without a place take no part in equilibrium. */
 static int carries(const struct grains *grains, size_t k)
 {
     return !(grains->flags[k] & (GRAIN_RATTLER | GRAIN_NOT_FINITE));
@@ -73,6 +74,7 @@ static int number_equations(const struct packing *packing, struct equations *e)
     return 0;
 }
 
+/* The column has room for it. */
 static void add_entry(struct rank_column *column, size_t row, double value)
 {
     column->row[column->count] = row;
@@ -110,6 +112,7 @@ static void add_wall(const struct packing *packing, const struct equations *e, s
         add_entry(column, row[flat], wall_inward(walls, (size_t)flat).y * along.y);
 }
 
+/* A contact that exists, between bodies that carry. */
 static int bears(const struct packing *packing, size_t c)
 {
     size_t i = (size_t)packing->contacts.i[c], j = (size_t)packing->contacts.j[c];

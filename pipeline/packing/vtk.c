@@ -10,6 +10,7 @@
 
 enum { CELL_LINE = 3 }; /* VTK_LINE */
 
+/* Points (grains, then one per wall contact) and lines (contacts) as VTKHDF has them. */
 struct view {
     size_t points, cells;
     double *xyz;
@@ -25,6 +26,7 @@ static void view_free(struct view *view)
     free(view->types);
 }
 
+/* -1 without memory; view_free() accepts what is there. */
 static int view_alloc(const struct packing *packing, struct view *view)
 {
     size_t wall;
@@ -43,6 +45,7 @@ static int view_alloc(const struct packing *packing, struct view *view)
     return error_memory("the VTKHDF view");
 }
 
+/* A line per contact, from centre to centre or to the wall. */
 static void view_fill(const struct packing *packing, struct view *view)
 {
     size_t next = packing->grains.count, wall;
@@ -64,6 +67,7 @@ static void view_fill(const struct packing *packing, struct view *view)
     }
 }
 
+/* One dataset; rank 1: `rows` values, rank 2: rows x 3. */
 static int put(struct state_writer *writer, hid_t group, const char *name, hid_t file_type, hid_t memory_type, int rank,
                hsize_t rows, const void *values)
 {

@@ -32,6 +32,7 @@ void photo_free(struct photo *photo)
 
 /* ---- libtiff's messages ---- */
 
+/* The first message is the cause; later ones follow from it. For libtiff: 1 means handled. */
 static int keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
 {
     struct tiff_messages *messages = data;
@@ -71,6 +72,7 @@ TIFF *tiff_open(const char *path, int fd, const char *mode, tmsize_t max_alloc, 
 
 /* ---- writing ---- */
 
+/* 0 when libtiff refuses one. */
 static int set_tags(TIFF *tiff, const struct photo *photo, uint32_t rows_per_strip)
 {
     return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, (uint32_t)photo->width) &&
@@ -83,6 +85,7 @@ static int set_tags(TIFF *tiff, const struct photo *photo, uint32_t rows_per_str
            TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, rows_per_strip);
 }
 
+/* The pixels in strips of whole rows. 0, or -1: libtiff's message is kept by keep_error(). */
 static int write_strips(TIFF *tiff, const struct photo *photo)
 {
     int rows = (1 << 18) / photo->width; /* strips of about half a megabyte */

@@ -1,3 +1,6 @@
+/* Each group is read in the same way: is it there, are its keys known, is each value in its range, do the values fit
+ * each other. Every mistake is an error with file, line and column, found before any photo is opened. Ranges are
+ * generous, but they keep every product that a program makes (pixels, cells, indices) in its type. */
 #include "pipeline/scene/scene_groups.h"
 
 #include <float.h>
@@ -10,9 +13,11 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
 
+/* px per side of a photo; the largest index of a photo, which nine digits write. */
 enum { MAX_SIDE_PX = 1000000, MAX_INDEX = 999999999 };
 #define LEAST_SCALE 1e-12 /* m per px: finer than any microscope, and a million pixels are still some metres apart */
 
+/* The member for an error's place; NULL when it is left out. Case counts. */
 static const cJSON *item_of(const cJSON *object, const char *key)
 {
     return cJSON_GetObjectItemCaseSensitive(object, key);
@@ -20,6 +25,7 @@ static const cJSON *item_of(const cJSON *object, const char *key)
 
 /* ---- paths ---- */
 
+/* Neither absolute nor upwards. "..name" is a file like any other, hence the look at what follows the dots. */
 static int check_inside(const struct json *json, const cJSON *item, const char *path)
 {
     if (*path == '/')
@@ -34,6 +40,8 @@ static int check_inside(const struct json *json, const cJSON *item, const char *
     return 0;
 }
 
+/* A path that a scene names: not empty, inside the scene's folder unless that is allowed, printable, short enough to
+ * be joined to a folder within PATH_MAX. */
 static int check_path(const struct json *json, const cJSON *item, const char *path)
 {
     if (*path == '\0')
@@ -48,6 +56,8 @@ static int check_path(const struct json *json, const cJSON *item, const char *pa
     return 0;
 }
 
+/* The path of that key, joined to the scene's folder, to *path, which the scene owns. Left out: 0, and *path stays
+ * NULL. */
 static int read_path(const struct scene *scene, const char *key, char **path)
 {
     const cJSON *root = json_root(scene->json);
@@ -62,6 +72,7 @@ static int read_path(const struct scene *scene, const char *key, char **path)
 
 /* ---- root ---- */
 
+/* The one key that every scene must have. */
 static int read_name(struct scene *scene)
 {
     const cJSON *root = json_root(scene->json);
@@ -104,6 +115,7 @@ int scene_read_root(struct scene *scene)
 
 /* ---- photos ---- */
 
+/* Pattern, first and last: all or none. The reference is the first photo unless the scene says another. */
 static int read_pattern(struct scene *scene, const cJSON *object)
 {
     struct scene_photos *photos = &scene->photos;
@@ -129,6 +141,7 @@ static int read_pattern(struct scene *scene, const cJSON *object)
     return 0;
 }
 
+/* [width, height], whole px; their product is limited, so later sizes in bytes fit. */
 static int read_size(struct scene *scene, const cJSON *object)
 {
     double size[2];
@@ -147,6 +160,7 @@ static int read_size(struct scene *scene, const cJSON *object)
     return 0;
 }
 
+/* PHOTO_GREY_ONLY when left out: a colour photo is then an error that asks for the channel. */
 static int read_channel(struct scene *scene, const cJSON *object)
 {
     static const char *const words[] = {"grey", "red", "green", "blue", NULL};
@@ -271,6 +285,7 @@ static int check_corners(const struct json *json, const cJSON *item, const struc
     return 0;
 }
 
+/* Four corners as seen, px. */
 static int read_corners(struct scene *scene, const cJSON *frame)
 {
     const struct json *json = scene->json;
@@ -293,6 +308,7 @@ static int read_corners(struct scene *scene, const cJSON *frame)
     return check_corners(json, list, corners);
 }
 
+/* px; corner discs of half of it would touch. */
 static double shortest_side(const struct vec corners[4])
 {
     double shortest = INFINITY;
@@ -322,6 +338,7 @@ static int read_marker(struct scene *scene, const cJSON *item, struct scene_mark
     return read_rect(scene, item_of(item, "rect"), &marker->rect);
 }
 
+/* The list of markers, owned by the scene. */
 static int read_markers(struct scene *scene, const cJSON *object)
 {
     const cJSON *list;

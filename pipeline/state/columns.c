@@ -1,3 +1,6 @@
+/* A table is any struct with a row count and an array pointer per column; a list of struct column says at which
+ * offset each lies. All that walks over columns (allocating, copying, reading, writing, exporting) does so through
+ * that list, so that a new column is one line in it. */
 #include "pipeline/state/columns.h"
 
 #include <math.h>
@@ -26,6 +29,7 @@ void **table_array(const struct column *column, const void *table)
     return (void **)((char *)table + column->offset);
 }
 
+/* The struct's own member. */
 static size_t *row_count(const struct table_kind *kind, const void *table)
 {
     return (size_t *)((char *)table + kind->count_offset);
@@ -36,6 +40,8 @@ size_t table_rows(const struct table_kind *kind, const void *table)
     return *row_count(kind, table);
 }
 
+/* Whole numbers and names begin as zeros, doubles as NaN: a value that nobody sets is not known, and must not look
+ * like 0. Never of zero bytes, as NULL stands for "no such column". -1 without memory. */
 static int array_alloc(const struct column *column, void *table, size_t rows)
 {
     void **array = table_array(column, table);
@@ -48,6 +54,7 @@ static int array_alloc(const struct column *column, void *table, size_t rows)
     return 0;
 }
 
+/* names NULL: every column. */
 static int is_listed(const char *name, const char *const names[])
 {
     if (!names)

@@ -32,6 +32,7 @@ static int open_attribute(const struct state *state, const char *group, const ch
     return found;
 }
 
+/* Number of elements; -1 when the file does not tell. */
 static hssize_t attribute_count(hid_t attribute)
 {
     hid_t space = H5Aget_space(attribute);
@@ -56,6 +57,7 @@ static char *read_variable_text(hid_t attribute, hid_t type)
     return text;
 }
 
+/* A text of fixed length, zero-terminated, to be freed; NULL: too long, unreadable, or no memory. */
 static char *read_fixed_text(hid_t attribute, hid_t type)
 {
     size_t size = H5Tget_size(type);

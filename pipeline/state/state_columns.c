@@ -10,6 +10,8 @@
 #include "pipeline/state/state_open.h"
 #include "pipeline/state/state_storage.h"
 
+/* Exactly the type that the format tells: a float column or a signed one would be converted without a word, and lose
+ * digits or flags. */
 static int type_fits(hid_t type, enum column_type wanted)
 {
     H5T_class_t class = H5Tget_class(type);
@@ -27,6 +29,7 @@ static int type_fits(hid_t type, enum column_type wanted)
     return 0;
 }
 
+/* As h5py and NumPy call it. */
 static const char *type_name(enum column_type type)
 {
     static const char *const names[] = {[COLUMN_DOUBLE] = "float64",
@@ -36,6 +39,7 @@ static const char *type_name(enum column_type type)
     return names[type];
 }
 
+/* 0, or -1 with an error that names file, column and the type wanted. */
 static int check_type(const struct state *state, hid_t dataset, const char *group, const struct column *column)
 {
     hid_t type = H5Dget_type(dataset);
@@ -60,6 +64,7 @@ static int check_units(const struct state *state, hid_t dataset, const char *gro
     return status < 0 ? -1 : 0;
 }
 
+/* One dimension and at most STATE_MAX_ROWS rows, before memory is asked for. *rows: what the file says. */
 static int check_length(const struct state *state, hid_t dataset, const char *group, const char *name, hsize_t *rows)
 {
     hid_t space = H5Dget_space(dataset);
@@ -76,6 +81,7 @@ static int check_length(const struct state *state, hid_t dataset, const char *gr
     return 0;
 }
 
+/* The column into new memory, to *array, which the table then owns. HDF5 verifies its checksum on the way. */
 static int read_values(const struct state *state, hid_t dataset, const char *group, const struct column *column,
                        hsize_t rows, void **array)
 {
@@ -121,6 +127,7 @@ static int read_column(const struct state *state, hid_t place, const char *group
     return 1;
 }
 
+/* required NULL: nothing is. */
 static int is_required(const char *const required[], const char *name)
 {
     for (; required && *required; required++)

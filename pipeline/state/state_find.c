@@ -7,6 +7,7 @@
 #include "pipeline/state/state_hdf.h"
 #include "pipeline/state/state_open.h"
 
+/* Always -1, with an error that names the file and the thing. */
 static int damaged(const struct state *state, const char *name)
 {
     return error_input("%s: damaged at '%s': make the file again", state->path, name);
@@ -73,12 +74,14 @@ int state_has(const struct state *state, const char *path)
     return found;
 }
 
+/* The members of a group while HDF5 lists them; names are owned. */
 struct names {
     char **list;
     size_t count, capacity;
     int linked; /* a soft or external link was met */
 };
 
+/* For H5Literate. Soft and external links are refused: they may lead anywhere on the disk. */
 static herr_t collect_name(hid_t group, const char *name, const H5L_info_t *link, void *data)
 {
     (void)group;

@@ -12,6 +12,7 @@
 /* HDF5 1.10 converts texts in a buffer of at least so many bytes (H5Tvlen.c). */
 enum { LONGEST_OBJECT = 4096, HEADER = 16, WINDOW = 1 << 20 };
 
+/* At most 8 bytes. */
 static uint64_t little_endian(const unsigned char *bytes, int count)
 {
     uint64_t value = 0;
@@ -50,6 +51,7 @@ static int window_is_safe(FILE *file, const unsigned char *window, size_t length
     return 1;
 }
 
+/* The whole file, window by window. */
 static int file_is_safe(FILE *file)
 {
     unsigned char *window = malloc(WINDOW);

@@ -13,6 +13,7 @@
 #include "pipeline/state/state_hdf.h"
 #include "pipeline/state/state_open.h"
 
+/* The file is of this program and of a version that it reads. 0, or -1 with an error. */
 static int check_schema(const struct state *state)
 {
     char schema[32] = "";
@@ -38,6 +39,7 @@ void state_own_name(const struct state *state, char name[64])
     snprintf(name, 64, "/proc/self/fd/%d", state->fd);
 }
 
+/* Regular files only; noted in the record of what was read, through the same descriptor. 0, or -1 with an error. */
 static int open_file(struct state *state)
 {
     struct stat status;
@@ -49,6 +51,7 @@ static int open_file(struct state *state)
     return read_record_note(state->path, state->fd);
 }
 
+/* Through the descriptor's own name, so that HDF5 reads the very file that was hashed. -1 with an error. */
 static hid_t open_hdf(const struct state *state)
 {
     char name[64];

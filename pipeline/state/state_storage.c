@@ -59,6 +59,7 @@ static int inflates_to(const unsigned char *stream, size_t length, size_t wanted
     return status == Z_STREAM_END && have == wanted;
 }
 
+/* 1: the chunk is as long as it has to be once gzip is undone. */
 static int chunk_inflates(hid_t dataset, const hsize_t *offset, size_t stored, const struct chunks *chunks)
 {
     uint32_t mask = 0;
@@ -71,6 +72,8 @@ static int chunk_inflates(hid_t dataset, const hsize_t *offset, size_t stored, c
 
 /* ---- chunks ---- */
 
+/* 1: no chunk is missing, has skipped a filter, or has another length than its rows need: HDF5 would return fill
+ * values or read past the end. */
 static int every_chunk_is_whole(hid_t dataset, hid_t space, const struct chunks *chunks)
 {
     for (hsize_t k = 0; k < chunks->count; k++) {

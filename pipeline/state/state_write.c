@@ -89,6 +89,7 @@ static int write_attribute(hid_t object, const char *name, hid_t file_type, hid_
     return failed ? -1 : 0;
 }
 
+/* Then the attribute is marked ASCII, which more readers take, else UTF-8. */
 static int is_ascii(const char *text)
 {
     for (; *text; text++)
@@ -126,6 +127,7 @@ static int write_flag_names(hid_t object, const char *const flag_names[32])
 
 /* ---- groups and datasets ---- */
 
+/* Properties that keep the clock out of the file: the same input gives the same bytes. To be closed; -1 on failure. */
 static hid_t without_times(hid_t class)
 {
     hid_t properties = H5Pcreate(class);
@@ -136,6 +138,7 @@ static hid_t without_times(hid_t class)
     return properties;
 }
 
+/* To be closed; -1 on failure. */
 static hid_t open_or_create_group(hid_t parent, const char *name)
 {
     if (H5Lexists(parent, name, H5P_DEFAULT) > 0)
@@ -212,6 +215,7 @@ int state_hard_link(struct state_writer *writer, const char *target, const char 
     return 0;
 }
 
+/* One column with its unit and its meaning as attributes; flags with the names of their bits. */
 static int write_column(struct state_writer *writer, hid_t group, const struct table_kind *kind,
                         const struct column *column, const void *values, size_t rows)
 {
@@ -266,6 +270,7 @@ int state_write_numbers(struct state_writer *writer, const char *group, const ch
     return failed ? state_write_failed(writer, attribute) : 0;
 }
 
+/* An attribute of the root, 64 bits. */
 static int write_integer(struct state_writer *writer, const char *attribute, int64_t value)
 {
     hid_t root = state_group(writer, "/");
@@ -278,6 +283,7 @@ static int write_integer(struct state_writer *writer, const char *attribute, int
 
 /* ---- provenance ---- */
 
+/* An entry of the list of inputs: base name, part of the scene or NULL, SHA-256. 0, or -1 without memory. */
 static int add_input(cJSON *array, const char *path, const char *part, const char digest[65])
 {
     char *name = text_escape(basename(path)); /* JSON is UTF-8, a name need not be */
@@ -292,6 +298,7 @@ static int add_input(cJSON *array, const char *path, const char *part, const cha
     return whole ? 0 : error_memory("the list of inputs");
 }
 
+/* An input that is a file, by the bytes that were read. */
 static int add_file(cJSON *array, const char *path)
 {
     char digest[65];
@@ -325,6 +332,7 @@ static char *describe_inputs(const struct provenance *provenance)
     return text;
 }
 
+/* What made this file: program and version, parameters, inputs with their hashes, photo and time. */
 static int write_provenance(struct state_writer *writer, const struct provenance *provenance)
 {
     char *inputs = describe_inputs(provenance);

@@ -11,6 +11,7 @@
 #include "report/compare/budget.h"
 #include "report/commands/report_commands.h"
 
+/* The budget's numbers begin as NaN, which is "not given". */
 struct options {
     struct cli cli;
     struct budget budget;
@@ -50,6 +51,7 @@ static const char documentation[] =
     "Example:\n"
     "  report budget --scene scene.json --pressure 100e3 --diameter 0.012";
 
+/* For struct program: what no scene tells has to be given. */
 static int check(void *options)
 {
     if (isnan(((struct options *)options)->budget.pressure))

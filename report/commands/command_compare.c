@@ -13,6 +13,7 @@
 #include "report/states/loaded.h"
 #include "report/states/method_choice.h"
 
+/* What the command line says; texts are borrowed from argv, NULL where they are left out. */
 struct options {
     struct cli cli;
     const char *method, *truth_method, *from, *from_a, *json;

@@ -69,6 +69,7 @@ static int takes_many(enum format format)
     return format == XYZ || format == LAMMPS || format == LAMMPS_LOCAL || format == SERIES;
 }
 
+/* For struct program: exactly one format, and several files only where the format holds several states. */
 static int check(void *input)
 {
     const struct options *options = input;
@@ -84,6 +85,7 @@ static int check(void *input)
     return 0;
 }
 
+/* One state in the format asked for; 0, or -1 with an error. A series is written by write_all(). */
 static int write_one(const struct options *options, const struct loaded *loaded, FILE *stream)
 {
     switch (format_of(options)) {

@@ -13,6 +13,7 @@
 #include "report/commands/report_commands.h"
 #include "report/pictures/histogram.h"
 
+/* grains: a file of findgrains, NULL where it is left out. */
 struct options {
     struct cli cli;
     const char *grains;

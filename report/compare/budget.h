@@ -4,6 +4,7 @@
 
 #include "report/compare/figures.h"
 
+/* What is known of the experiment; NaN: not given, and every figure that needs it is NaN. */
 struct budget {
     double scale;    /* m/px */
     double diameter; /* m: mean of the grains */

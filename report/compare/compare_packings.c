@@ -1,3 +1,13 @@
+/* Two packings against each other: grains by position, walls by name, contacts by the two bodies that they join,
+ * forces by contact. With f = (fn, ft), sums over the contacts c that are compared, and N their number,
+ *
+ *     r    = sum (a_c - <a>) (b_c - <b>) / (sum (a_c - <a>)^2 sum (b_c - <b>)^2)^1/2     (thesis eq. 3.3)
+ *     dist = 1/N sum |f_c of A - f_c of B|                                                (thesis eq. 3.4)
+ *
+ * r does not see a common factor, dist does: a method that has the pattern but not the level shows r near 1 and a
+ * large dist. r is given over the contacts that
+ * A and B share, dist and r "_all" over those of either file: a contact that one of them lacks has the force 0 there.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +42,7 @@ struct bond {
     size_t contact;
 };
 
+/* Order for qsort() and bsearch(): by i, then j. */
 static int by_bodies(const void *left, const void *right)
 {
     const struct bond *p = left, *q = right;
@@ -40,6 +51,7 @@ static int by_bodies(const void *left, const void *right)
     return (p->j > q->j) - (p->j < q->j);
 }
 
+/* Candidates (near, but not known to touch) and rows with a flag of distrust do not count as contacts. */
 static int is_contact(const struct packing *packing, size_t c)
 {
     return !(packing->contacts.flags[c] & (CONTACT_CANDIDATE | GRAIN_DISTRUST));
@@ -56,6 +68,7 @@ static int64_t body_in_b(const struct packing *a, const struct packing *b, const
     return wall < 0 ? -1 : (int64_t)b->grains.count + wall;
 }
 
+/* The contacts of B by their bodies, for bsearch(); to be freed; NULL without memory (no error is set). */
 static struct bond *sorted_bonds(const struct packing *b, size_t *count)
 {
     struct bond *bonds = malloc((b->contacts.count + 1) * sizeof *bonds);
@@ -89,6 +102,8 @@ static int match_contacts(const struct packing *a, const struct packing *b, cons
 
 /* ---- what is compared ---- */
 
+/* Centres and radii of the grains that both have. The error of a centre is counted once per axis, so that its root
+ * mean square compares with a standard error per axis. Flagged grains of A count as found only. */
 static void compare_geometry(const struct packing *a, const struct packing *b, const long *row, struct figures *figures)
 {
     struct spread x = {0}, radius = {0};
@@ -111,6 +126,9 @@ static void compare_geometry(const struct packing *a, const struct packing *b, c
     figures_add(figures, "radius_bias_m", spread_mean(&radius), "m", "radius, mean error");
 }
 
+/* Which contacts A lists, judged by B: precision (share of A's that B has), recall (share of B's that A has) and F1,
+ * their harmonic mean 2 both / (A + B). A contact of B that is only a candidate in A is missed, and counted as such.
+ * Pull is the overlap's error over its own standard error: 1 when the standard errors are honest. */
 static void compare_lists(const struct packing *a, const struct packing *b, const long *same, struct figures *figures)
 {
     size_t in_a = 0, in_b = 0, both = 0, candidates = 0;
@@ -150,6 +168,7 @@ struct samples {
     size_t common, count;
 };
 
+/* Accepts a zeroed struct. */
 static void samples_free(struct samples *s)
 {
     for (int f = 0; f < 2; f++) {
@@ -158,6 +177,7 @@ static void samples_free(struct samples *s)
     }
 }
 
+/* A contact whose force is not known on one side (NaN) is left out of both. */
 static void add_sample(struct samples *s, double fn_a, double ft_a, double fn_b, double ft_b)
 {
     if (isnan(fn_a) || isnan(ft_a) || isnan(fn_b) || isnan(ft_b))
@@ -200,6 +220,7 @@ static int gather_samples(const struct packing *a, const struct packing *b, cons
     return 0;
 }
 
+/* `mean`: <fn> of B, N, which makes the distance a share. */
 static void add_distance(const struct samples *s, double mean, struct figures *figures)
 {
     struct spread all = {0};
@@ -209,6 +230,9 @@ static void add_distance(const struct samples *s, double mean, struct figures *f
     figures_add(figures, "dist_over_fn", spread_mean(&all) / mean, "1", "dist / <fn> of B");
 }
 
+/* Weber's stress sigma = (1/A) sum l f of one packing, four figures. The area A is that of packing_area(), so both
+ * files are asked for their own. Names end in the unit, Pa or N/m, as the length of the rods is known or not.
+ * `which`: "a" or "b". */
 static int add_stress(const struct packing *packing, const struct forces *forces, const char *which,
                       struct figures *figures)
 {
@@ -246,6 +270,7 @@ static void add_imbalance(const struct packing *a, const struct forces *forces, 
                 "unbalanced force of A, largest / <fn> of A");
 }
 
+/* All figures of one pair of methods. 0, or -1 with an error: memory. */
 static int compare_forces(const struct packing *a, const struct packing *b, const struct forces *fa,
                           const struct forces *fb, const long *same, struct figures *figures)
 {
@@ -270,6 +295,7 @@ static int compare_forces(const struct packing *a, const struct packing *b, cons
     return status;
 }
 
+/* By name, or the default one; NULL: the packing has none such. Borrowed. */
 static const struct forces *pick_forces(const struct packing *packing, const char *method)
 {
     return method ? packing_forces(packing, method) : method_default(packing);

@@ -1,3 +1,6 @@
+/* Photo-side files against each other, in px and degrees. Centres: errors per axis, bias and spread apart, since a
+ * bias (half a pixel, a shifted photo) is another fault than noise. "Pull" is an error over its own standard error,
+ * root mean square over all: 1 when standard errors are honest, above when they promise too much. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -6,6 +9,7 @@
 #include "report/compare/match.h"
 #include "report/compare/spread.h"
 
+/* rad per degree. */
 static const double DEGREE = 0.017453292519943295;
 
 /* Positions of B to set against those of A. */
@@ -15,11 +19,14 @@ static struct match_points places_of_b(const struct compare_photo *pair, const s
     return (struct match_points){b->count, seen ? b->x_seen_px : b->x_px, seen ? b->y_seen_px : b->y_px};
 }
 
+/* No flag of distrust: bits 16 to 31 inform only. */
 static int is_trusted(const struct photo_grains *a, size_t k)
 {
     return !(a->flags[k] & GRAIN_DISTRUST);
 }
 
+/* Found, missed and false grains. A false grain that carries a flag of distrust has warned its reader: it is counted
+ * apart. */
 static void count_grains(const struct compare_photo *pair, const long *row, struct figures *figures)
 {
     size_t found = 0, wrong = 0, wrong_flagged = 0, distrusted = 0;
@@ -39,6 +46,8 @@ static void count_grains(const struct compare_photo *pair, const long *row, stru
     figures_add(figures, "flagged", (double)distrusted, "1", "grains of A flagged as not to be trusted");
 }
 
+/* Errors of centres and radii over the grains of A that are found and trusted. Pulls need both standard errors and
+ * positions as seen: what the lens correction adds is not in s_x and s_y. */
 static void compare_places(const struct compare_photo *pair, const long *row, struct figures *figures)
 {
     const struct photo_grains *a = pair->a, *b = pair->b;

@@ -1,3 +1,6 @@
+/* The attribute "found" of /grains holds, as JSON, what findgrains found by itself; radii come from the rows, so
+ * that a range for the scene covers every grain that is trusted. Neither is a setting until a person has pasted it
+ * into the scene. */
 #include "report/compare/found.h"
 
 #include <math.h>
@@ -9,6 +12,7 @@
 #include "pipeline/files/json.h"
 #include "pipeline/state/state.h"
 
+/* [x, y] in px. */
 static int read_corner(const struct json *json, const cJSON *item, struct vec *corner)
 {
     const cJSON *x = cJSON_GetArrayItem(item, 0), *y = cJSON_GetArrayItem(item, 1);
@@ -18,6 +22,7 @@ static int read_corner(const struct json *json, const cJSON *item, struct vec *c
     return 0;
 }
 
+/* The member "frame", if there: four corners in the order of the scene, and the radius of the corner discs, both px. */
 static int read_frame(const struct json *json, struct found *found)
 {
     const cJSON *frame, *list;
@@ -33,6 +38,7 @@ static int read_frame(const struct json *json, struct found *found)
     return json_number(json, frame, "corner_radius_px", 0, 1e9, &found->corner_radius) < 0 ? -1 : 0;
 }
 
+/* Smallest and largest radius of trusted grains; NaN stays where there is none (fmin and fmax pass over NaN). */
 static int read_radii(const struct state *state, struct found *found)
 {
     static const char *const needed[] = {"radius_px", "flags", NULL};
@@ -64,6 +70,7 @@ static int read_given(const struct state *state, const char *path, struct found 
     return status < 0 ? -1 : 0;
 }
 
+/* 0, or -1 with an error that names the file: also when some other program wrote it. */
 static int read_state(const struct state *state, const char *path, struct found *found)
 {
     char text[4096];
@@ -85,6 +92,7 @@ int found_read(const char *path, struct found *found)
     return status;
 }
 
+/* Hundredths of a px are finer than any corner is found, and make the text one that people can read. */
 static void print_frame(const struct found *found, FILE *stream)
 {
     fputs("\"frame\": {\"corners_px\": [", stream);

@@ -1,3 +1,7 @@
+/* Greedy matching: all pairs within reach are listed, then taken from the nearest on, as long as both grains are
+ * free. Half a radius is less than half the distance of two discs that touch, so that a grain seldom has more than
+ * one candidate, and the order of taking seldom matters. A grid of cells as wide as the longest reach keeps it O(n
+ * log n). Equal distances are ordered by row: the result does not depend on qsort(). */
 #include "report/compare/match.h"
 
 #include <math.h>
@@ -6,11 +10,13 @@
 #include "pipeline/numbers/cell_grid.h"
 #include "pipeline/speak/error.h"
 
+/* A row of a and a row of b within reach of each other, and their distance in the unit of the points. */
 struct pair {
     double distance;
     size_t a, b;
 };
 
+/* A growing list; `list` is freed by match_grains(). */
 struct pairs {
     struct pair *list;
     size_t count, capacity;
@@ -30,6 +36,7 @@ static int grid_fill(struct cell_grid *grid, const struct match_points *b, const
     return 0;
 }
 
+/* -1 without memory; the list stays as it was. */
 static int add_pair(struct pairs *pairs, size_t a, size_t b, double distance)
 {
     if (pairs->count == pairs->capacity) {
@@ -57,6 +64,7 @@ static int look_around(const struct cell_grid *grid, const struct match_points *
     return 0;
 }
 
+/* Ties by row of a, then of b, so that the order is total. */
 static int by_distance(const void *left, const void *right)
 {
     const struct pair *p = left, *q = right;
@@ -67,6 +75,7 @@ static int by_distance(const void *left, const void *right)
     return (p->b > q->b) - (p->b < q->b);
 }
 
+/* Sorts the pairs. b_of_a[k]: the row of b, or -1. -1 without memory. */
 static int take_nearest_first(struct pairs *pairs, size_t count_a, size_t count_b, long *b_of_a)
 {
     char *taken = calloc(count_b + 1, 1);

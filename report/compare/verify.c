@@ -1,3 +1,6 @@
+/* A state file names its inputs by bare name and SHA-256. Here each is looked for again and hashed again: beside the
+ * file, then among what the scene names. The scene itself is compared by the part that the stage reads
+ * (pipeline/scene/scene_part.h), so that a change that does not concern a stage does not cry wolf. */
 #include "report/compare/verify.h"
 
 #include <search.h>
@@ -20,6 +23,7 @@ struct known {
     char path[];
 };
 
+/* One run over several files. `known` is freed by verify_files(). */
 struct verify {
     const struct scene *scene;
     FILE *stream;
@@ -27,11 +31,13 @@ struct verify {
     struct verify_count count;
 };
 
+/* Order of the tree of hashes. */
 static int by_path(const void *a, const void *b)
 {
     return strcmp(((const struct known *)a)->path, ((const struct known *)b)->path);
 }
 
+/* SHA-256 of a file, read at the first call only; borrowed from the tree. NULL with an error. */
 static const char *digest_of(struct verify *verify, const char *path)
 {
     struct known *known = malloc(sizeof *known + strlen(path) + 1);
@@ -57,6 +63,7 @@ static const char *digest_of(struct verify *verify, const char *path)
 
 /* ---- where an input lies ---- */
 
+/* folder (its first `length` bytes, with the slash) and name; to be freed; NULL without memory. */
 static char *join(const char *folder, size_t length, const char *name)
 {
     char *path = NULL;
@@ -86,6 +93,7 @@ static char *find_input(const struct verify *verify, const char *state_path, con
 
 /* ---- one file ---- */
 
+/* One line on the stream, names escaped: a file's name may hold a line end. Counted as wrong. */
 static void complain(struct verify *verify, const char *path, const char *name, const char *what)
 {
     text_print(verify->stream, path);
@@ -95,6 +103,7 @@ static void complain(struct verify *verify, const char *path, const char *name, 
     verify->count.wrong++;
 }
 
+/* The part of the scene that a stage read, as text, hashed and compared. */
 static int verify_part(struct verify *verify, const char *path, const char *name, const char *part,
                        const char *recorded)
 {
@@ -112,6 +121,7 @@ static int is_file_name(const char *name)
     return *name && !strchr(name, '/') && strcmp(name, ".") && strcmp(name, "..");
 }
 
+/* Always -1, with the error line. */
 static int not_readable(const char *path)
 {
     return error_input("%s: its list of inputs is not readable: make the file again", path);
@@ -138,6 +148,7 @@ static int verify_input(struct verify *verify, const char *path, const char *nam
     return digest ? 0 : error_context("%s", path);
 }
 
+/* One entry of the list: {"name", "sha256"} and, for the scene, "part". */
 static int verify_item(struct verify *verify, const char *path, const struct json *json, const cJSON *input)
 {
     const char *name = NULL, *part = NULL, *recorded = NULL;
@@ -149,6 +160,8 @@ static int verify_item(struct verify *verify, const char *path, const struct jso
                                                         : verify_input(verify, path, name, recorded);
 }
 
+/* All inputs of one file. A file without any was not made by this program, or by one that kept no record: an error
+ * of input, which the caller turns into a finding. */
 static int verify_inputs(struct verify *verify, const char *path, const struct state_info *info)
 {
     struct json *json = info->inputs ? json_parse(info->inputs, strlen(info->inputs), path) : NULL;

@@ -28,6 +28,8 @@ static void put_prefix(const char *prefix, FILE *stream)
         fputc('_', stream);
 }
 
+/* "prefix_name [unit]" for each column that the table has; flags are followed by a column of their names. *first: no
+ * comma before the next cell; it is kept across sheets. */
 static void put_heading(const struct sheet *sheet, FILE *stream, int *first)
 {
     for (size_t c = 0; c < sheet->kind->column_count; c++) {
@@ -43,6 +45,8 @@ static void put_heading(const struct sheet *sheet, FILE *stream, int *first)
     }
 }
 
+/* The number, then the names joined by "|": both in one go, since the names say nothing to a program and the number
+ * nothing to a person. */
 static void put_flags(const struct table_kind *kind, uint32_t flags, FILE *stream)
 {
     int some = 0;
@@ -66,6 +70,7 @@ static void put_name(const char *name, FILE *stream)
     fputc('"', stream);
 }
 
+/* One cell, without commas around it; NaN is empty. */
 static void put_cell(const struct table_kind *kind, const struct column *column, const void *array, size_t row,
                      FILE *stream)
 {
@@ -89,6 +94,7 @@ static void put_cell(const struct table_kind *kind, const struct column *column,
     }
 }
 
+/* Row `row` of one sheet; the comma before it when something stands there. */
 static void put_row(const struct sheet *sheet, size_t row, FILE *stream, int *first)
 {
     for (size_t c = 0; c < sheet->kind->column_count; c++) {
@@ -102,6 +108,7 @@ static void put_row(const struct sheet *sheet, size_t row, FILE *stream, int *fi
     }
 }
 
+/* Sheets side by side; all have as many rows as the first. */
 static void put_sheets(const struct sheet *sheets, size_t count, FILE *stream)
 {
     int first = 1;
@@ -142,6 +149,7 @@ int export_csv(const struct loaded *loaded, const char *table, FILE *stream)
 
 /* ---- extended XYZ ---- */
 
+/* NaN for a column that the file lacks. */
 static double value(const double *column, size_t row)
 {
     return column ? column[row] : NAN;

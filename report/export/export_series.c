@@ -14,10 +14,13 @@
 
 /* ---- LAMMPS ---- */
 
+/* m; from > to: empty. */
 struct range {
     double from, to;
 };
 
+/* Heading of one step. `what`: "ATOMS" or "ENTRIES", `count` of which follow. The box is fixed (ff); along z, where
+ * nothing is, it is -1 to 1. */
 static void put_step(const struct loaded *loaded, const char *what, size_t count, const struct range box[2],
                      FILE *stream)
 {
@@ -28,6 +31,7 @@ static void put_step(const struct loaded *loaded, const char *what, size_t count
     fputs("-1 1\n", stream);
 }
 
+/* Makes the range hold value +- radius; what is not finite changes nothing. */
 static void widen(struct range *range, double value, double radius)
 {
     if (!isfinite(value) || !isfinite(radius))
@@ -36,6 +40,7 @@ static void widen(struct range *range, double value, double radius)
     range->to = fmax(range->to, value + radius);
 }
 
+/* The box around all rims, m. */
 static void measure(const struct grains *grains, struct range box[2])
 {
     box[0] = box[1] = (struct range){INFINITY, -INFINITY};
@@ -48,6 +53,7 @@ static void measure(const struct grains *grains, struct range box[2])
             box[a] = (struct range){0, 1};
 }
 
+/* 0, or -1 with an error that names the file. */
 static int need_si(const struct loaded *loaded)
 {
     return loaded->is_si ? 0 : error_input("%s: is in px: give a file of contacts or forces", loaded->path);
@@ -97,11 +103,13 @@ int export_lammps_local(const struct loaded *loaded, const char *method, FILE *s
 
 /* ---- ParaView ---- */
 
+/* A state file within its series: base name (borrowed) and time, s, or the index where no time is known. */
 struct moment {
     const char *name;
     double time;
 };
 
+/* For qsort(): by time, then name. */
 static int by_time(const void *left, const void *right)
 {
     const struct moment *a = left, *b = right;
@@ -110,6 +118,7 @@ static int by_time(const void *left, const void *right)
     return strcmp(a->name, b->name);
 }
 
+/* Bytes of the path up to its last slash, that included; 0: in the working folder. */
 static size_t folder_length(const char *path)
 {
     const char *slash = strrchr(path, '/');

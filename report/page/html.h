@@ -12,11 +12,14 @@ struct html {
     const char *pictures, *extension; /* folder that gets every picture as a file, too, and its format; NULL: none */
 };
 
+/* `html` is owned by the caller from here on, and freed by html_free() on success and failure alike. 0, or -1 with
+ * an error. */
 int html_begin(struct html *html); /* without a folder for pictures */
 /* Closes the stream; -1 when memory ran out on the way. html->text is then whole. */
 int html_end(struct html *html);
 void html_free(struct html *html); /* accepts a zeroed struct */
 
+/* Escaped: safe between tags and inside attributes. NULL is not allowed. */
 void html_text(struct html *html, const char *text);
 /* printf, then escaped. */
 void html_format(struct html *html, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -39,11 +39,14 @@ static const char head[] =
     "h2{break-after:avoid}.charts{grid-template-columns:1fr 1fr}img{max-height:12cm}}\n"
     "</style>\n";
 
+/* For struct picture: `map` is a measured struct force_map. */
 static int draw_into(struct canvas *canvas, const void *map)
 {
     return force_map_draw(map, canvas);
 }
 
+/* One force map as a picture of the page, 1000 px wide. mean_fn (N) is the force of unit width: one for the whole
+ * page makes maps comparable; NaN: of the state itself. forces NULL: contacts only. */
 static int draw_map(const struct packing *packing, const struct forces *forces, double mean_fn, const char *title,
                     struct html *html)
 {
@@ -71,6 +74,7 @@ static int draw_forces(const struct series *series, const struct series_row *row
     return result;
 }
 
+/* The state of one row, read from its file: a map per method, or of the contacts when it has no forces. */
 static int draw_state(const struct series *series, const struct series_row *row, int every_method, struct html *html)
 {
     struct packing packing;
@@ -97,6 +101,7 @@ static int is_chosen(size_t state, size_t states, size_t most)
     return 0;
 }
 
+/* Heading of the maps: how many of the states are drawn, by which method, and what force the widths mean. */
 static void picture_note(const struct series *series, size_t drawn, size_t states, struct html *html)
 {
     double mean_fn = methods_mean_fn(&series->methods, series->method);

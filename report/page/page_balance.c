@@ -82,6 +82,8 @@ static int applied_points(struct chart *chart, const double sigma[2][2], double 
     return 0;
 }
 
+/* Normal stress against the direction of the plane, one line per method and two points for what is applied. kPa
+ * where the length of the rods is known, else N/m (force over length of an edge). */
 static int plane_chart(const struct series *series, const struct packing_summary *summary, struct html *html)
 {
     struct chart chart = {.title = "Normal stress by orientation of the plane",

@@ -30,6 +30,8 @@ static int persistence(const char *before_path, const char *now_path, const char
     return result;
 }
 
+/* Two lines of a chart for one method, r of fn and of ft against the number of the photo. Neighbours are the states
+ * that have forces: one without is passed over. A state that lacks this method gives NaN, which a chart leaves out. */
 static int persistence_lines(const struct series *series, struct chart *chart, const char *method, size_t style)
 {
     const struct series_row *before = NULL;
@@ -73,6 +75,8 @@ int page_persistence(const struct series *series, struct html *html)
 
 /* ---- the last state ---- */
 
+/* Probability density of fn / <fn>, one line per method, at the middles of the bins. Logarithmic: an exponential
+ * tail, the usual one of dense packings, is a straight line. */
 static int distribution_chart(const struct series *series, const struct packing *packing, struct html *html)
 {
     struct chart chart = {
@@ -96,6 +100,7 @@ static int distribution_chart(const struct series *series, const struct packing 
     return result;
 }
 
+/* What draw_rose() draws: the share of contacts per direction, and over it one outline per method. */
 struct rose {
     const char *title;
     double share[ROSE_BINS];
@@ -103,8 +108,10 @@ struct rose {
     size_t count;
 };
 
+/* Points of the vector picture. */
 static const double ROSE_WIDTH = 640, ROSE_HEIGHT = 420;
 
+/* For struct picture: `what` is a struct rose. Never fails. */
 static int draw_rose(struct canvas *canvas, const void *what)
 {
     const struct rose *rose = what;
@@ -112,6 +119,8 @@ static int draw_rose(struct canvas *canvas, const void *what)
     return 0;
 }
 
+/* The rose of one packing with the mean normal force of each direction, by every method that it has, at most
+ * SERIES_METHODS; the shares are the same whichever method speaks. */
 static int rose_picture(const struct series *series, const struct packing *packing, struct html *html)
 {
     const char *title =

@@ -13,6 +13,8 @@ struct abscissa {
     const char *label;
 };
 
+/* The same for all curves of a page, so that they can be laid over each other: the strain as soon as one state has
+ * one other than 0, time only when every row knows its time. */
 static struct abscissa choose_abscissa(const struct series *series)
 {
     int strains = 0, times = 1;
@@ -26,6 +28,7 @@ static struct abscissa choose_abscissa(const struct series *series)
     return times ? (struct abscissa){ALONG_TIME, "time (s)"} : (struct abscissa){ALONG_INDEX, "photo"};
 }
 
+/* Where a row stands along the abscissa; NaN (left out of charts): a row without packing has no strain. */
 static double along(const struct abscissa *abscissa, const struct series_row *row)
 {
     if (abscissa->kind == ALONG_STRAIN)
@@ -42,6 +45,7 @@ static const struct force_summary *forces_of(const struct series_row *row, const
     return NULL;
 }
 
+/* The first of the rows with most methods: it tells whether the stresses are Pa. The series has a row. */
 static const struct series_row *row_with_most_methods(const struct series *series)
 {
     const struct series_row *most = &series->rows[0];
@@ -51,8 +55,10 @@ static const struct series_row *row_with_most_methods(const struct series *serie
     return most;
 }
 
+/* Points of every chart of the page. */
 static const double WIDTH = 640, HEIGHT = 400;
 
+/* For struct picture: `chart` is a struct chart. Never fails. */
 static int draw_chart(struct canvas *canvas, const void *chart)
 {
     chart_draw(chart, canvas, WIDTH, HEIGHT);
@@ -89,6 +95,8 @@ static int stress_line(const struct series *series, const struct abscissa *absci
     return 0;
 }
 
+/* Applied stress and Weber's by every method along the abscissa. yy is drawn first, xx over it in the same style,
+ * dashed: one entry of the key for both. */
 static int stress_chart(const struct series *series, const struct abscissa *abscissa, struct html *html)
 {
     const struct series_row *most = row_with_most_methods(series);
@@ -109,13 +117,16 @@ static int stress_chart(const struct series *series, const struct abscissa *absc
     return result;
 }
 
+/* One number of a row; NaN, which a chart leaves out, where the row has no packing. */
 typedef double (*quantity)(const struct series_row *row);
 
+/* Area of voids over area of grains. */
 static double void_ratio(const struct series_row *row)
 {
     return row->packing.path ? row->packing.fabric.void_ratio : NAN;
 }
 
+/* Mean number of contacts per grain (pipeline/packing/structure.h). */
 static double coordination(const struct series_row *row)
 {
     return row->packing.path ? row->packing.fabric.z : NAN;
@@ -128,11 +139,13 @@ static double anisotropy(const struct series_row *row)
     return row->packing.path ? hypot(t[0][0] - t[1][1], 2 * t[0][1]) : NAN;
 }
 
+/* h: how many contact forces equilibrium leaves open. */
 static double freedom(const struct series_row *row)
 {
     return row->packing.path ? row->packing.h : NAN;
 }
 
+/* A chart of up to two quantities; the second is NULL when there is one only, and so is its name. */
 static int quantity_chart(const struct series *series, const struct abscissa *abscissa, const char *title,
                           const char *label, const quantity quantities[2], const char *const names[2],
                           struct html *html)
@@ -155,6 +168,8 @@ static int quantity_chart(const struct series *series, const struct abscissa *ab
 
 /* ---- oedometer: compressed along y, held along x ---- */
 
+/* Whether the series looks like an oedometer test: compressed along y by more than 1e-5, everything else (xx and the
+ * shear) below a tenth of that. Strains that are not known do not speak against it. */
 static int is_oedometer(const struct series *series)
 {
     double across = 0, along_y = 0;
@@ -197,6 +212,7 @@ static int oedometer_lines(const struct series *series, const struct abscissa *a
     return 0;
 }
 
+/* k0 along the abscissa and the oedometric curve, by every method (at most CURVES_MOST) and as applied. */
 static int oedometer_charts(const struct series *series, const struct abscissa *abscissa, struct html *html)
 {
     const struct series_row *most = row_with_most_methods(series);

@@ -6,12 +6,15 @@
 #include "pipeline/speak/error.h"
 #include "report/page/page.h"
 
+/* rad per degree. */
 static const double DEGREE = 0.017453292519943295;
 
+/* Points of a line over the share of the grains: one per cent. */
 enum { PLOT_POINTS = 101 };
 
 /* ---- through the series ---- */
 
+/* One chart of struct photo_summary's quantiles through the series. */
 struct measure {
     const char *title, *label;
     size_t offset; /* of its quantiles in a photo's summary */
@@ -26,6 +29,8 @@ static const struct measure measures[] = {
      1 / 0.017453292519943295, 0},
 };
 
+/* Three lines through the series: the median, the 5 % (or 95 %) quantile on the bad side, and the worst grain. The
+ * least and the largest alone would say little: one lost grain makes them. */
 static int series_chart(const struct series *series, const struct measure *measure, struct html *html)
 {
     struct chart chart = {.title = measure->title, .x_label = "photo", .y_label = measure->label, .whole_x = 1};
@@ -86,6 +91,8 @@ static int unlikeness(const struct photo_grains *grains, double **values)
     return 0;
 }
 
+/* Standard errors and 1 - ZNCC over the grains of one photo, trusted rows only. 1 - ZNCC because good values crowd
+ * below 1, where only a logarithm parts them. */
 static int photo_charts(const struct photo_grains *grains, struct html *html)
 {
     struct chart zncc = {.title = "Last photo: 1 - ZNCC of the grains",

@@ -3,8 +3,10 @@
 
 #include "report/page/page.h"
 
+/* rad per degree. */
 static const double DEGREE = 0.017453292519943295;
 
+/* Rows; a table with more is folded when the page opens. */
 enum { LONG_TABLE = 60 };
 
 /* Long tables are folded. */
@@ -15,6 +17,7 @@ static void table_begin(struct html *html, const char *title, size_t rows, const
             rows > LONG_TABLE ? "" : " open", rows, headings);
 }
 
+/* Closes what table_begin() opened. */
 static void table_end(struct html *html)
 {
     fputs("</table></div></details>\n", html->stream);
@@ -34,6 +37,9 @@ static void cell_flags(struct html *html, const size_t of_bit[32], int first, in
     fputs(some ? "</td>" : "–</td>", html->stream);
 }
 
+/* One file of findgrains ("found") or of the tracker ("tracked"): how many rows carry which flag, the likeness to
+ * the reference, and the median standard errors. Bits 0 to 15 and 16 to 31 have a column each, since only the former
+ * say that a row is not to be trusted. */
 static void photo_row(struct html *html, const struct series_row *row, const char *what,
                       const struct photo_summary *photo)
 {
@@ -108,6 +114,8 @@ void page_states(const struct series *series, struct html *html)
     table_end(html);
 }
 
+/* The stress that the forces of one method make, beside what is applied. In the plane the stress tensor is symmetric
+ * when moments balance, so xy is the mean of xy and yx. Methods without iterations show a dash. */
 static void stress_row(struct html *html, const struct series_row *row, const struct force_summary *forces)
 {
     const struct packing_summary *packing = &row->packing;
@@ -132,6 +140,7 @@ static void stress_row(struct html *html, const struct series_row *row, const st
     fputs("</tr>\n", html->stream);
 }
 
+/* Headings of the table of forces, the stresses in `units`, a string literal. */
 #define FORCE_HEADS(units)                                                                                             \
     "<th class=\"left\">state</th><th class=\"left\">method</th><th class=\"left\">start</th>"                         \
     "<th>applied xx<br>" units "</th><th>Weber xx<br>" units "</th><th>applied yy<br>" units                           \

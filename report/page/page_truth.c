@@ -11,6 +11,7 @@
 #include "report/compare/compare.h"
 #include "report/page/page.h"
 
+/* FOLDER/NAME.KIND.hdf, the names that simulate and render give; to be freed; NULL with an error. */
 static char *truth_path(const struct page *page, const struct series_row *row, const char *kind)
 {
     char *path = NULL;
@@ -41,6 +42,7 @@ static int compare_one(const struct page *page, const struct series_row *row, co
     return result;
 }
 
+/* A cell for each of the NULL-terminated names, a dash where the comparison has no such figure. */
 static void cells(struct html *html, const struct figures *figures, const char *const names[], int digits)
 {
     for (; *names; names++)
@@ -69,6 +71,8 @@ static int photo_table(const struct page *page, const struct series *series, con
     return 0;
 }
 
+/* What findgrains found against what each photo shows: grains found, missed and invented, errors of centres and
+ * radii, and those errors over their standard errors. */
 static int found_table(const struct page *page, const struct series *series, struct html *html)
 {
     static const char *const names[] = {"found",         "missed",      "false",         "flagged",
@@ -90,6 +94,8 @@ static char *reference_truth(const struct page *page, const struct series *serie
     return NULL;
 }
 
+/* What the tracker followed against where the grains are: displacements in px, rotations in degrees, and both over
+ * their standard errors. -1 with an error also when the truth of the reference is not known. */
 static int motion_table(const struct page *page, const struct series *series, struct html *html)
 {
     static const char *const names[] = {"motion_compared",     "motion_flagged",    "displacement_rms_px",
@@ -107,6 +113,7 @@ static int motion_table(const struct page *page, const struct series *series, st
     return result;
 }
 
+/* A row of the table of forces: one method in one state. */
 static void force_row(const struct series_row *row, const char *method, const struct figures *figures,
                       struct html *html)
 {
@@ -119,6 +126,8 @@ static void force_row(const struct series_row *row, const char *method, const st
     fputs("</tr>\n", html->stream);
 }
 
+/* The forces of one state by every method that it has. The truth's forces are those of the simulation, "dem"; a
+ * truth from elsewhere speaks by its default method. */
 static int compare_state(const struct page *page, const struct series_row *row, struct html *html)
 {
     struct packing a = {0}, b = {0};
@@ -136,6 +145,7 @@ static int compare_state(const struct page *page, const struct series_row *row, 
     return result;
 }
 
+/* All states that have a packing, each by every method. */
 static int force_table(const struct page *page, const struct series *series, struct html *html)
 {
     fputs("<div class=\"table\"><table><tr><th class=\"left\">state</th><th class=\"left\">method</th>"
@@ -175,6 +185,7 @@ static int error_chart(const struct series *series, const struct packing *a, con
     return result;
 }
 
+/* The chart of errors for the last state that has forces; nothing when none has. */
 static int last_errors(const struct page *page, const struct series *series, struct html *html)
 {
     const struct series_row *last = NULL;

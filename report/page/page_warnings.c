@@ -8,11 +8,13 @@
 #include "pipeline/speak/error.h"
 #include "report/page/page.h"
 
+/* The list while it is written: its heading stands before the first warning only. */
 struct warnings {
     struct html *html;
     int count;
 };
 
+/* One line of the list; the text is escaped. */
 static void warn(struct warnings *warnings, const char *text)
 {
     if (warnings->count++ == 0)
@@ -29,6 +31,7 @@ struct tally {
     const char *where;
 };
 
+/* NaN counts as not seen. `where` (borrowed) is kept for the worst one beyond the limit, the first of equals. */
 static void tally_add(struct tally *tally, double size, double limit, const char *where)
 {
     if (isnan(size))
@@ -49,6 +52,8 @@ static double round_to_three(double value)
     return value >= 100 || !(value > 0) ? value : round(value * power) / power;
 }
 
+/* A warning with how often, how bad and where; nothing when all are within the limit. `unit` turns the worst value
+ * into `units`. */
 static void warn_tally(struct warnings *warnings, const struct tally *tally, const char *who, const char *what,
                        double unit, const char *units)
 {

@@ -77,6 +77,7 @@ static double across(const struct force_map *map, double x)
     return map->scale * (x - map->x0);
 }
 
+/* From metres upwards to the picture's ordinate, which goes down. */
 static double down(const struct force_map *map, double y)
 {
     return map->scale * (map->y1 - y);

@@ -36,6 +36,7 @@ static double known(double value)
     return isnan(value) ? 0 : value;
 }
 
+/* Over the bins that are known. */
 static double largest(const double values[ROSE_BINS])
 {
     double most = 0;

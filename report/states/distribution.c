@@ -1,3 +1,5 @@
+/* Bins without a contact have no density (NaN) instead of 0: on a logarithmic axis a 0 has no place, and one contact
+ * more or less decides about it. */
 #include "report/states/distribution.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* The side of a file stands in its attribute "coordinates": "seen" and "corrected" are px, on the photo side; all
+ * else is a packing in m. */
 #include "report/states/loaded.h"
 
 #include <stdlib.h>
@@ -20,6 +22,7 @@ const struct state_info *loaded_info(const struct loaded *loaded)
     return loaded->is_si ? &loaded->packing.info : &loaded->info;
 }
 
+/* Places, radii and flags have to be there; all other columns are read where they are. */
 static int read_photo_side(const struct state *state, struct loaded *loaded)
 {
     static const char *const required[] = {"x_px", "y_px", "radius_px", "flags", NULL};

@@ -1,3 +1,6 @@
+/* A series is read file by file; of each stays what a page shows, so that a thousand states need no more memory than
+ * one state and a thousand rows. Files of one photo or state meet in one row by the part of their names before the
+ * first dot. */
 #include "report/states/state_series.h"
 
 #include <math.h>
@@ -30,6 +33,7 @@ void series_free(struct series *series)
 
 /* ---- one photo ---- */
 
+/* Adds to of_bit[b] the rows that carry bit b; returns the rows with a flag of distrust. */
 static size_t count_flags(const uint32_t *flags, size_t count, size_t of_bit[32])
 {
     size_t distrusted = 0;
@@ -41,6 +45,7 @@ static size_t count_flags(const uint32_t *flags, size_t count, size_t of_bit[32]
     return distrusted;
 }
 
+/* One file of findgrains or of the tracker. Another of the same row takes its place. 0, or -1 without memory. */
 static int summarise_photo(const struct loaded *loaded, struct photo_summary *photo)
 {
     const struct photo_grains *grains = &loaded->grains;
@@ -61,6 +66,8 @@ static int summarise_photo(const struct loaded *loaded, struct photo_summary *ph
 
 /* ---- one state ---- */
 
+/* Forces of one method. area: of the packing, m2. Loaded contacts are those with fn > 0; sticking needs no status
+ * column, so that a method without one has slipping = 0. */
 static struct force_summary summarise_forces(const struct packing *packing, const struct forces *forces, double area)
 {
     struct force_summary summary = {
@@ -83,6 +90,8 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
     return summary;
 }
 
+/* One file of contacts or forces. At most SERIES_METHODS methods are kept, in the order of the file. 0, or -1 with
+ * an error. */
 static int summarise_packing(const struct loaded *loaded, struct packing_summary *summary)
 {
     const struct packing *packing = &loaded->packing;
@@ -111,6 +120,7 @@ static int summarise_packing(const struct loaded *loaded, struct packing_summary
 
 /* ---- provenance ---- */
 
+/* "stage version" once for each; what finds no room in series->versions is left out. */
 static void note_version(struct series *series, const char *stage, const char *version)
 {
     char entry[2 * NAME_LENGTH + 2];
@@ -120,6 +130,7 @@ static void note_version(struct series *series, const char *stage, const char *v
         snprintf(series->versions + used, sizeof series->versions - used, "%s%s", used ? ", " : "", entry);
 }
 
+/* A row of the table of inputs; the texts are copied. -1 without memory, with a row that series_free() accepts. */
 static int add_input(struct series *series, const char *file, const char *name, const char *sha256)
 {
     struct series_input *inputs = realloc(series->inputs, (series->input_count + 1) * sizeof *inputs);
@@ -133,6 +144,8 @@ static int add_input(struct series *series, const char *file, const char *name, 
     return input->file && input->name && input->sha256 ? 0 : error_memory("the list of inputs");
 }
 
+/* Program version and list of inputs of one file. 0, or -1 with an error: the attribute is not the JSON that
+ * state_write() leaves. */
 static int note_inputs(struct series *series, const struct loaded *loaded)
 {
     const struct state_info *info = loaded_info(loaded);
@@ -185,6 +198,8 @@ static struct series_row *row_of(struct series *series, const char *path, const 
     return row;
 }
 
+/* One state file. On the SI side a file with forces takes the row over from a file of contacts, whichever comes
+ * first; contacts_path keeps the name of the latter. */
 static int add_file(struct series *series, const char *path)
 {
     struct loaded loaded;
@@ -205,6 +220,7 @@ static int add_file(struct series *series, const char *path)
     return result;
 }
 
+/* For qsort(): by the photo's index, then name. */
 static int by_index(const void *left, const void *right)
 {
     const struct series_row *a = left, *b = right;
@@ -213,6 +229,7 @@ static int by_index(const void *left, const void *right)
     return strcmp(a->name, b->name);
 }
 
+/* After all rows are there: which methods the series has, and which one speaks for all of it. */
 static void gather_methods(struct series *series)
 {
     for (size_t k = 0; k < series->count; k++) {

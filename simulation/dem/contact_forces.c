@@ -8,6 +8,7 @@ struct instant {
     double dashpots; /* 1: they act; 0: the static forces */
 };
 
+/* A side or a corner of the box, not a grain. */
 static int is_wall(const struct dem *dem, const struct dem_pair *pair)
 {
     return (size_t)pair->j >= dem->count;
@@ -35,6 +36,8 @@ static inline struct geometry disc_geometry(const struct dem_grain *g, double x,
     return (struct geometry){dx / distance, dy / distance, reach - distance};
 }
 
+/* Normal from i outwards and overlap of a pair. At a side the normal is the wall's outward one, and the overlap is R
+ * less the distance of the centre. */
 static struct geometry pair_geometry(const struct dem *dem, const struct dem_pair *pair)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
@@ -152,6 +155,8 @@ static void act_on_corner(struct dem_box *box, int k, struct vec force)
     }
 }
 
+/* Adds a grain's force to its wall and to what it does on the box's freedoms: virtual work per unit of width, height
+ * and shear, hence the height of the contact point as lever of the shear. */
 static void act_on_wall(struct dem *dem, const struct dem_pair *pair, struct vec force)
 {
     const struct dem_grain *g = &dem->grains[pair->i];
@@ -173,6 +178,7 @@ static void act_on_wall(struct dem *dem, const struct dem_pair *pair, struct vec
     }
 }
 
+/* What acts from outside: loads and gravity, before any contact. */
 static void grain_loads(const struct dem *dem, struct dem_grain *g)
 {
     g->fx = g->load_x + g->mass * dem->gravity.x;
@@ -180,6 +186,7 @@ static void grain_loads(const struct dem *dem, struct dem_grain *g)
     g->moment = g->load_m;
 }
 
+/* One thread: each pair once, its force to both sides. */
 static void scatter(struct dem *dem, struct instant now)
 {
     size_t walls = dem->first[dem->count];
@@ -257,6 +264,7 @@ static void walls_work(struct dem_box *box)
         box->work -= 0.5 * box->push[f] * (box->size[f] - box->worked_size[f]);
 }
 
+/* Walls, pairs, forces. 0, or -1 without memory for the pairs. */
 static int all_forces(struct dem *dem, struct instant now)
 {
     dem_place_walls(dem);

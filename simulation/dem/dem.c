@@ -143,6 +143,9 @@ const struct contact_pair *dem_pair_law(const struct dem *dem, size_t p)
     return contact_law_row(&dem->law)->linear ? &dem->linear : &dem->pair_law[p];
 }
 
+/* Kinetic energy of the grains that can move, what the contact springs store, and what friction and dashpots have
+ * taken since the beginning. Velocities are at half steps, forces at whole ones: kinetic and stored energy are half
+ * a step apart. */
 struct dem_energy dem_energy(const struct dem *dem)
 {
     struct dem_energy energy = {0};

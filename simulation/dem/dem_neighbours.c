@@ -23,6 +23,7 @@ static int cells_fill(const struct dem *dem, struct cell_grid *cells, double *la
     return 0;
 }
 
+/* Room for one more pair; doubles. -1 without memory. */
 static int pair_room(struct dem *dem)
 {
     if (dem->pair_count < dem->pair_capacity)
@@ -36,6 +37,7 @@ static int pair_room(struct dem *dem)
     return 0;
 }
 
+/* A pair that does not touch yet, at the end of the list. */
 static int pair_add(struct dem *dem, int i, int j)
 {
     if (pair_room(dem))
@@ -94,6 +96,7 @@ static int pairs_back(struct dem *dem)
     return 0;
 }
 
+/* For qsort() within one grain's pairs. */
 static int by_partner(const void *a, const void *b)
 {
     const struct dem_pair *p = a, *q = b;
@@ -117,6 +120,7 @@ static int pairs_of_grain(struct dem *dem, const struct cell_grid *cells, double
     return 0;
 }
 
+/* All sides and corners within the skin of a rim, in the order of grains, then sides, then corners. */
 static int pairs_with_walls(struct dem *dem)
 {
     for (size_t i = 0; i < dem->count; i++) {
@@ -159,6 +163,8 @@ static void keep_history(struct dem *dem, const struct dem_pair *old, size_t old
     }
 }
 
+/* A pair that was left out is further apart than the skin; it cannot touch before two grains, or a grain and a wall,
+ * have together moved that far since the search. */
 static int search_needed(const struct dem *dem)
 {
     if (!dem->first[dem->count] && !dem->pair_count && !dem->searches)
@@ -180,6 +186,7 @@ static int search_needed(const struct dem *dem)
     return !(2 * farthest < dem->skin && farthest + wall < dem->skin);
 }
 
+/* A new list; pairs that are in the old one keep their history (both are sorted alike). 0, or -1 without memory. */
 static int search(struct dem *dem)
 {
     struct cell_grid cells = {0};

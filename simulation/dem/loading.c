@@ -70,6 +70,7 @@ static int loading_prepare(struct loading *loading)
     return 0;
 }
 
+/* Area of the grains over that of the box; overlaps are counted twice, which is of no matter at kappa >> 1. */
 static double solid_fraction(const struct dem *dem)
 {
     double area = 0;
@@ -87,6 +88,7 @@ static int is_loaded(const struct loading *loading)
     return fabs(x - 1) < 0.1 && fabs(y - 1) < 0.1;
 }
 
+/* The tolerance is the simulation's; the steps count into loading->steps. */
 int loading_relax(struct loading *loading)
 {
     const struct simulation *simulation = loading->simulation;
@@ -146,6 +148,8 @@ static int settle(struct loading *loading)
     return 0;
 }
 
+/* State 0. When the preparation had another friction, the packing relaxes under that first, then under the law's:
+ * less friction while compressing gives a denser packing. loading->size is the reference of all strains. */
 int loading_begin(struct loading *loading)
 {
     struct dem *dem = &loading->dem;
@@ -162,6 +166,7 @@ int loading_begin(struct loading *loading)
     return done;
 }
 
+/* Time steps in `duration` (s), at least one. */
 static long steps_in(const struct loading *loading, double duration)
 {
     return (long)ceil(duration / loading->time_step) + 1;
@@ -232,6 +237,7 @@ static void set_vertical(struct loading *loading, double amount, double share)
     loading->servo.stress_x = kept;
 }
 
+/* Change the stress by `change` (over the pressure of state 0) in equal parts, then relax. */
 static int stress_step(struct loading *loading, double change, void (*set)(struct loading *, double, double))
 {
     long steps = steps_in(loading, stress_duration(loading, change));
@@ -248,6 +254,7 @@ static void set_swing(struct loading *loading, double cycles, double share)
     loading->servo.stress_y = loading->pressure * (1 + loading->simulation->amplitude * sin(two_pi * phase));
 }
 
+/* A cycle changes the stress by 4 amplitudes on its way; it takes the time that so much change takes. */
 static int cyclic_step(struct loading *loading, double cycles)
 {
     long steps = steps_in(loading, stress_duration(loading, 4 * loading->simulation->amplitude * cycles));

@@ -8,6 +8,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
 
+/* Purposes of random numbers. */
 enum { KEY_SHUFFLE = 1, KEY_JITTER = 2 };
 
 /* Streams of random numbers that do not depend on each other. */
@@ -36,6 +37,7 @@ static void shuffle(struct dem *dem, uint64_t key)
     }
 }
 
+/* The grains of the grading in a box that is about `aspect` times as wide as high. -1 with an error. */
 static int placement_loose(const struct simulation *simulation, struct dem *dem)
 {
     size_t count = 0, k = 0;
@@ -113,6 +115,8 @@ static int check_corners(const struct simulation *simulation, const struct dem *
     return 0;
 }
 
+/* The discs as given, in the order given; without a box there are no walls, and only fixed discs and loads hold
+ * them. */
 static int placement_by_hand(const struct simulation *simulation, struct dem *dem)
 {
     if (check_discs(simulation) || dem_alloc(dem, simulation->disc_count))

@@ -13,6 +13,8 @@ enum { BEGIN_STEPS = 20, CHECK_EVERY = 20, BLOCK = 512 };
 static const double LONGEST = 0.30; /* of sqrt(m/k): below the stability limit of 2 over the highest frequency */
 static const double GROW = 1.1, SHRINK = 0.5, MIX = 0.1, MIX_SHRINK = 0.99;
 
+/* State of one relaxation; `block` holds one sum per block of grains, so that totals do not depend on the number of
+ * threads. */
 struct fire {
     double mass;      /* fictitious, of a grain of mean radius, kg */
     double radius;    /* mean, m */
@@ -23,17 +25,20 @@ struct fire {
     size_t blocks;
 };
 
+/* Fictitious, kg: only the end counts, so masses are chosen for speed. */
 static double grain_mass(const struct fire *fire, const struct dem_grain *g)
 {
     return fire->mass * 0.5 * (1 + g->radius / fire->radius); /* about as many contacts as its rim holds */
 }
 
+/* Fictitious mass of a freedom of the box, kg; kg m2 for the shear. */
 static double box_mass(const struct dem *dem, const struct fire *fire, int freedom)
 {
     double arm = freedom == BOX_SHEAR ? dem->box.size[BOX_HEIGHT] : 1;
     return fire->wall_mass * arm * arm;
 }
 
+/* What drives a freedom of the box, N (N m for the shear): the grains inside less what holds it outside. */
 static double box_force(const struct dem *dem, const struct servo *servo, int freedom)
 {
     return dem->box.push[freedom] + servo_load(dem, servo, freedom);
@@ -63,6 +68,7 @@ struct imbalance dem_imbalance(const struct dem *dem, const struct servo *servo)
     return imbalance;
 }
 
+/* All velocities to zero: FIRE's answer to going uphill. */
 static void stop(struct dem *dem)
 {
     for (size_t k = 0; k < dem->count; k++)
@@ -71,6 +77,7 @@ static void stop(struct dem *dem)
         dem->box.rate[f] = 0;
 }
 
+/* Work of all forces per time, W: positive while the motion goes downhill. */
 static double power(const struct dem *dem, const struct servo *servo, const struct fire *fire)
 {
 #pragma omp parallel for schedule(static) if (dem->count >= dem->parallel_from)
@@ -156,6 +163,8 @@ static void drift(struct dem *dem, const struct servo *servo, const struct fire 
     }
 }
 
+/* FIRE's rule: after BEGIN_STEPS downhill steps the time step grows and the steering weakens; one step uphill stops
+ * everything and starts again with a shorter one. The longest stable step follows the stiffest contact. */
 static void steer(struct dem *dem, struct fire *fire, double work)
 {
     if (dem->stiffest > 0)
@@ -174,6 +183,7 @@ static void steer(struct dem *dem, struct fire *fire, double work)
     fire->dt = fmin(fire->dt, fire->longest);
 }
 
+/* `stiffness`, N/m, sets the first time step. -1 without memory. */
 static int fire_begin(const struct dem *dem, double stiffness, struct fire *fire)
 {
     *fire = (struct fire){.mass = 1, .mix = MIX, .blocks = (dem->count + BLOCK - 1) / BLOCK};

@@ -10,6 +10,7 @@
 #include "simulation/dem/snapshot.h"
 #include "simulation/dem/summary.h"
 
+/* A test that is running. `reference` is state 0, `previous` the state saved last; both are freed by simulate(). */
 struct run {
     struct loading loading;
     struct snapshot reference, previous;
@@ -27,6 +28,9 @@ static void strain_since(const struct dem_box *then, const struct dem_box *now, 
     strain[2] = now->size[BOX_SHEAR] - then->size[BOX_SHEAR];
 }
 
+/* The present state as a packing, to save(); afterwards it is the previous state, and state 0 the reference. A state
+ * that did not relax is saved as well, with converged = 0: a reader decides what it is worth. 0, or -1 with an
+ * error. */
 static int save_state(struct run *run, int relaxed)
 {
     struct dem *dem = &run->loading.dem;
@@ -57,6 +61,7 @@ static int save_state(struct run *run, int relaxed)
     return 0;
 }
 
+/* All steps of the test, a state after each. The test goes on after a state that did not come to rest. */
 static int run_test(struct run *run)
 {
     const struct simulation *simulation = run->loading.simulation;
@@ -69,6 +74,7 @@ static int run_test(struct run *run)
     return 0;
 }
 
+/* State 0, then the test. */
 static int run_all(struct run *run)
 {
     struct dem *dem = &run->loading.dem;

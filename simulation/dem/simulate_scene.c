@@ -242,6 +242,7 @@ static const struct option_row rows[] = {
     {NULL, "cycles", .type = OPTION_ELSE},
     {0}};
 
+/* All keys of the section, then what several of them tell together. */
 static int read_section(const struct scene *scene, const cJSON *section, struct simulation_plan *plan)
 {
     struct simulation *simulation = &plan->simulation;

@@ -114,6 +114,8 @@ static void write_corners(const struct dem *dem, const struct snapshot *previous
     }
 }
 
+/* The four sides, then the corner discs, with the loads from outside that balance the grains; with `previous`, their
+ * motion since. */
 static int write_walls(const struct dem *dem, const struct servo *servo, const struct snapshot *previous,
                        struct walls *walls)
 {
@@ -225,6 +227,8 @@ static void write_motion(const struct dem *dem, const struct snapshot *then, dou
     }
 }
 
+/* The pairs that touch, in the order of the list: grain pairs by (i, j), then walls. The contact point lies in the
+ * middle of the overlap. */
 static int write_contacts(const struct dem *dem, struct packing *packing)
 {
     static const char *const columns[] = {"i", "j", "nx", "ny", "x", "y", "overlap", "un", "ut", "flags", NULL};
@@ -310,6 +314,8 @@ static int write_residuals(const struct packing *packing, struct forces *forces)
     return 0;
 }
 
+/* The forces of the simulation as method "dem", started from "history": friction springs hold what has happened to
+ * them. The imbalance is the largest component of the unbalanced force (moments over the radius) over <fn>. */
 static int write_forces(const struct dem *dem, struct packing *packing)
 {
     static const char *const columns[] = {"fn", "ft", "status", NULL};

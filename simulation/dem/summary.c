@@ -6,6 +6,8 @@
 #include "pipeline/packing/stress.h"
 #include "pipeline/packing/structure.h"
 
+/* kappa, the mean stiffness of the touching contacts over the mean stress, and the share of contacts between grains
+ * that slide. */
 static void contacts_fill(const struct dem *dem, struct simulation_state *state)
 {
     size_t touching = 0, between = 0, sliding = 0;

@@ -5,6 +5,7 @@
 
 #include "pipeline/numbers/random.h"
 
+/* A rod's end as the picture has it: px, px, px, shape amplitudes in px, rad. */
 struct face {
     double x, y, radius, shape_c, shape_s, angle;
 };
@@ -118,6 +119,7 @@ SIMD_CLONES static void lay_flank(const struct optics *optics, struct tile *tile
     }
 }
 
+/* Row k; columns that the table lacks are 0. */
 static struct face face_of(const struct photo_grains *grains, size_t k)
 {
     return (struct face){grains->x_px[k],
@@ -128,6 +130,7 @@ static struct face face_of(const struct photo_grains *grains, size_t k)
                          column_or_zero(grains->angle, k)};
 }
 
+/* A row that lacks a number is left out of the picture. */
 static int face_is_drawn(const struct face *face)
 {
     return isfinite(face->x + face->y + face->radius + face->shape_c + face->shape_s + face->angle) && face->radius > 0;

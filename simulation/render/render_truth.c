@@ -94,6 +94,7 @@ static void move_marker(const struct scene *scene, const struct vec corners[4], 
     }
 }
 
+/* A flat thing on the backdrop, at the rectangle's middle, px. */
 static struct plate plate_of(enum plate_kind kind, const char *name, const struct rect *rect)
 {
     double x = 0.5 * (rect->x0 + rect->x1), y = 0.5 * (rect->y0 + rect->y1);
@@ -151,6 +152,7 @@ static int describe_plates(const struct picture *picture, size_t followed, struc
     return 0;
 }
 
+/* Where the camera sees each grain: px and rad as in the photo. */
 static void describe_seen(const struct picture *picture, struct photo_grains *grains)
 {
     struct camera camera = picture_camera(picture);
@@ -197,6 +199,7 @@ static double rim(const struct grains *si, const struct photo_grains *px, double
     return si->radius[k] + scale * (px->shape_c[k] * cos(twice) + px->shape_s[k] * sin(twice));
 }
 
+/* A contact in the plane of the rods' ends, as a photo shows it. */
 struct face_contact {
     size_t i, j;
     struct vec n;
