@@ -6,6 +6,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/packing_file.h"
+#include "pipeline/files/json.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
 {

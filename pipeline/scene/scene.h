@@ -9,8 +9,10 @@
 
 #include "pipeline/laws/contact_law.h"
 #include "pipeline/numbers/geometry.h"
-#include "pipeline/files/json.h"
 #include "pipeline/scene/photo.h"
+
+struct cJSON; /* of pipeline/files/json.h */
+struct json;
 
 struct rect {
     double x0, y0, x1, y1; /* px */
@@ -72,7 +74,7 @@ int scene_read(const char *path, struct scene *scene);
 void scene_free(struct scene *scene); /* accepts a zeroed struct */
 
 /* The scene's section of that name, or NULL when it is left out. */
-const cJSON *scene_section(const struct scene *scene, const char *name);
+const struct cJSON *scene_section(const struct scene *scene, const char *name);
 /* Error (status EXIT_INPUT) that names the missing key and the stage that needs it. */
 int scene_lacks(const struct scene *scene, const char *key, const char *why);
 /* Path of photo `index`, joined to the scene's folder; to be freed. */

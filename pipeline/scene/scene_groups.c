@@ -9,6 +9,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
+#include "pipeline/files/json.h"
 
 enum { MAX_SIDE_PX = 1000000, MAX_INDEX = 999999999 };
 #define LEAST_SCALE 1e-12 /* m per px: finer than any microscope, and a million pixels are still some metres apart */

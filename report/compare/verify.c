@@ -11,6 +11,7 @@
 #include "pipeline/speak/text.h"
 #include "pipeline/files/sha256.h"
 #include "report/states/loaded.h"
+#include "pipeline/files/json.h"
 
 /* Photos and tracks are inputs of many files: each is read once. */
 struct known {
