@@ -7,15 +7,17 @@
 
 /* Infer the contact forces of one packing by one method, with the scene's contact law and section "forces" (whose
  * walks, ranges and stability are asked for by the program alone). method: "map" (most probable forces from overlaps
- * and loads), "qsm" (quasi-static: the previous forces and the motion since), "cdm" (contact dynamics) or "cem"
- * (contact by contact from the overlaps and motions); docs/forces.md tells each with its source. previous: the packing
- * before, with forces of that method, which qsm and cem may need; NULL: none.
+ * and loads), "qsm" (projections onto equilibrium and friction), "cdm" (contact dynamics) or "cem" (measured motions
+ * times stiffness, no equilibrium); docs/forces.md tells each with its source. previous: the packing before with its
+ * forces, where the method or the scene's forces.start asks for it; NULL: none.
  *
  * The result joins packing->forces, in the place of an older one of that method (packing_forces() finds it): a row per
  * contact, fn and ft in N (fn >= 0 in compression), what stays unbalanced on each grain, Weber's stress (thesis
- * eq. 3.5; Pa, compression positive). A method that does not converge is no failure: its `converged` is 0. Scene and previous stay the caller's. 0, or -1 with a line (pipeline/speak/error.h) and the
- * packing as it was: no such method, mu or stiffness missing, no overlaps, no previous state that the method needs
- * (EXIT_INPUT); memory is gone (EXIT_FAILED). */
+ * eq. 3.5; Pa, compression positive). A method that does not converge is no failure: its `converged` is 0.
+ *
+ * Scene and previous stay the caller's. 0, or -1 with a line (pipeline/speak/error.h) and the packing as it was: no
+ * such method, mu or stiffness missing, no overlaps, no previous state that is needed (EXIT_INPUT); memory is gone
+ * (EXIT_FAILED). */
 int forces_in_packing(const struct scene *scene, const char *method, const struct packing *previous,
                       struct packing *packing);
 
