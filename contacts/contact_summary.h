@@ -25,9 +25,13 @@ struct contact_summary {
     const char *doubt;        /* why one that was found should not be relied on; NULL: nothing speaks against it */
     double loaded_overlap_px; /* mean overlap of touching pairs that the loads give; 0: they give none, or none was
                                  sought */
-    double resting_share;     /* of near pairs: those that rest at zero overlap */
-    double indeterminacy;     /* h and k of packing_indeterminacy(); NaN until then */
-    double mechanisms;        /* k */
+    /* Looked at where a contact network is missing (contacts_are_few()) or `undecided` says something: pairs of grains
+     * with gaps below near_px, and their median gap; 0, 0 and NaN otherwise. */
+    size_t near;
+    double near_px, gap_px;
+    double resting_share; /* of near pairs: those that rest at zero overlap */
+    double indeterminacy; /* h and k of packing_indeterminacy(); NaN until then */
+    double mechanisms;    /* k */
     struct overlap_histogram histogram;
 };
 

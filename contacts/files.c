@@ -1,6 +1,7 @@
 /* Reading the photo side of a state and writing the network with everything that says how it came about. */
 #include "contacts/files.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -137,7 +138,7 @@ int contacts_write(const struct arguments *arguments, const struct scene *scene,
     return status;
 }
 
-void contacts_log(const struct contact_summary *summary)
+static void log_contacts(const struct contact_summary *summary)
 {
     log_event("contacts", "grains", (double)summary->grains, "unusable", (double)summary->unusable, "contacts",
               (double)summary->contacts, "wall_contacts", (double)summary->wall_contacts, "candidates",
@@ -147,4 +148,33 @@ void contacts_log(const struct contact_summary *summary)
               "radius_offset_px", summary->radius_offset_px, "s_radius_scale", summary->s_radius_scale,
               "s_radius_offset_px", summary->s_radius_offset_px, "undecided", summary->undecided ? 1.0 : 0.0,
               "doubtful", summary->doubt ? 1.0 : 0.0, NULL);
+}
+
+/* Contacts that are missing, or may be: where the grains stand, and what would make them touch. */
+static int doubt_contacts(const struct cli *cli, const struct contact_options *options,
+                          const struct contact_summary *summary)
+{
+    char why[200] = "", where[200] = "no grains are near each other", how[300];
+    int automatic = options->radius_scale_auto || options->radius_offset_auto;
+    if (summary->undecided)
+        snprintf(why, sizeof why, ", the automatic radius correction is undecided (%s)", summary->undecided);
+    if (summary->near)
+        snprintf(where, sizeof where, "%zu pairs are nearer than %.2g px, their median gap is %.2g px", summary->near,
+                 summary->near_px, summary->gap_px);
+    if (contacts_are_few(summary) && summary->gap_px > 0)
+        snprintf(how, sizeof how, "if they touch, give contacts.radius_offset_px (about %.2g%s), or radius_scale",
+                 summary->radius_offset_px + 0.5 * summary->gap_px, automatic ? "" : ", or \"auto\"");
+    else
+        snprintf(how, sizeof how, "look at the circles, give contacts.radius_offset_px or radius_scale by hand");
+    return cli_doubt("%.300s: %zu contacts of %zu grains%s: %s: %s", cli->output, summary->contacts, summary->grains,
+                     why, where, how);
+}
+
+int contacts_tell(const struct cli *cli, const struct contact_options *options, const struct contact_summary *summary)
+{
+    log_contacts(summary);
+    int status = cli_flagged(cli, summary->unusable, summary->grains, "grains are without position or radius");
+    if (status == 0 && (contacts_are_few(summary) || (summary->undecided && summary->near)))
+        status = doubt_contacts(cli, options, summary);
+    return status;
 }

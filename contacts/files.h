@@ -30,7 +30,9 @@ char *contact_options_text(const struct contact_options *options, const struct c
 int contacts_write(const struct arguments *arguments, const struct scene *scene, const struct photo_state *photo,
                    const struct contact_options *options, const struct contact_summary *summary,
                    const struct packing *packing);
-/* What was found, as one line of the log (--log): numbers by their names. */
-void contacts_log(const struct contact_summary *summary);
+/* What was found, as one line of the log (--log), numbers by their names; and on stderr: what must not be overlooked
+ * (grains without numbers, a packing without contacts, a radius correction that is undecided), else a summary. 0 or
+ * EXIT_FLAGGED. */
+int contacts_tell(const struct cli *cli, const struct contact_options *options, const struct contact_summary *summary);
 
 #endif

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "contacts/network/contact_network.h"
+#include "contacts/network/near_gaps.h"
 #include "contacts/radii/loaded_overlaps.h"
 #include "contacts/radii/radius_offset.h"
 #include "contacts/si_grains.h"
@@ -16,6 +17,7 @@
 #include "contacts/motion/state_motion.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/quantiles.h"
+#include "pipeline/packing/packing_check.h"
 #include "pipeline/packing/structure.h"
 
 /* Radii are corrected automatically by no more than this, px and share of the median radius. */
@@ -41,14 +43,10 @@ static void search_free(struct search *search)
 
 static int check_input(const struct contact_input *input, const struct contact_options *options)
 {
-    const struct packing *previous = input->previous;
     for (size_t m = 0; m < input->more_count; m++)
         if (input->more_radii[m]->count != input->grains->count)
             return error_input("a file of --radii has %zu grains, this photo %zu: give files with the same rows",
                                input->more_radii[m]->count, input->grains->count);
-    if (previous && previous->grains.count != input->grains->count)
-        return error_input("the previous state has %zu grains, this one %zu: give the state of the same series",
-                           previous->grains.count, input->grains->count);
     if (!(options->radius_scale > 0) || !(options->candidate_sigmas >= 0) || !(options->frame_error_px >= 0))
         return error_input("radius scale, candidate range and frame error must not be negative");
     if (options->radius_scale_auto && options->radius_offset_auto)
@@ -196,9 +194,12 @@ static int check_stability(struct search *search)
 
 static int build(struct search *search)
 {
-    search->packing->length_m = search->input->scene->grains.length;
-    return si_grains(search->input, &search->options, &search->packing->grains) || find_network(search) ||
-                   find_motion(search) || check_stability(search)
+    const struct contact_input *input = search->input;
+    search->packing->length_m = input->scene->grains.length;
+    return si_grains(input, &search->options, &search->packing->grains) ||
+                   (input->previous &&
+                    packing_check_previous("the file of --previous", input->previous, search->packing)) ||
+                   find_network(search) || find_motion(search) || check_stability(search)
                ? -1
                : 0;
 }
@@ -242,6 +243,38 @@ static void summarise(const struct search *search, struct contact_summary *summa
     }
 }
 
+/* Fewer grains may have been laid apart. */
+#define LEAST_GRAINS 10
+
+static int is_thin(const struct contact_summary *summary)
+{
+    size_t usable = summary->grains - summary->unusable;
+    return usable >= LEAST_GRAINS && 2 * summary->contacts < usable;
+}
+
+/* A packing that stands has 1.5 contacts per grain and more; one that is dense has as many near pairs as grains. */
+int contacts_are_few(const struct contact_summary *summary)
+{
+    return is_thin(summary) &&
+           (summary->contacts == 0 || summary->contacts + summary->near >= summary->grains - summary->unusable);
+}
+
+/* Only where somebody will ask: a further search of neighbours. */
+static int measure_gaps(const struct search *search, struct contact_summary *summary)
+{
+    struct near_gaps gaps;
+    double scale = search->input->scene->scale;
+    summary->gap_px = NAN;
+    if (!is_thin(summary) && !summary->undecided)
+        return 0;
+    if (near_gaps_find(&search->packing->grains, &gaps))
+        return -1;
+    summary->near = gaps.pairs;
+    summary->near_px = gaps.reach / scale;
+    summary->gap_px = gaps.median / scale;
+    return 0;
+}
+
 int contact_indeterminacy(const struct scene *scene, struct packing *packing, struct contact_summary *summary)
 {
     double mu = scene->contact_given ? scene->contact.mu : NAN,
@@ -260,8 +293,10 @@ int find_contacts(const struct contact_input *input, const struct contact_option
     int status = check_input(input, options);
     if (status == 0)
         status = build(&search);
-    if (status == 0 && summary)
+    if (status == 0 && summary) {
         summarise(&search, summary);
+        status = measure_gaps(&search, summary);
+    }
     search_free(&search);
     if (status)
         packing_free(packing);

@@ -16,6 +16,10 @@
 int find_contacts(const struct contact_input *input, const struct contact_options *options, struct packing *packing,
                   struct contact_summary *summary);
 
+/* A packing of so many grains hangs together somewhere: has this one no contact, or a dense one less than half a
+ * contact per grain? */
+int contacts_are_few(const struct contact_summary *summary);
+
 /* packing_indeterminacy() with the friction of the scene (not given: friction everywhere), into packing and summary;
  * apply the loads first. 0, or -1 when out of memory. */
 int contact_indeterminacy(const struct scene *scene, struct packing *packing, struct contact_summary *summary);

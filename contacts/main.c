@@ -53,11 +53,8 @@ static int run(struct arguments *arguments)
         status = contacts_write(arguments, &scene, &photo, options, &summary, &packing);
     if (status == 0 && arguments->picture)
         status = overlap_picture(arguments->picture, &summary);
-    if (status == 0) {
-        contacts_log(&summary);
-        status =
-            cli_flagged(&arguments->cli, summary.unusable, summary.grains, "grains are without position or radius");
-    }
+    if (status == 0)
+        status = contacts_tell(&arguments->cli, options, &summary);
     packing_free(&packing);
     packing_free(&previous);
     photos_free(more, arguments->radii.count);

@@ -14,6 +14,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/packing_check.h"
 #include "pipeline/packing/packing_file.h"
 
 #define UNBALANCED 0.01 /* <fn>: a grain whose unbalanced force is larger counts */
@@ -52,9 +53,9 @@ static int look_around(const struct packing *packing, const struct force_options
     return options->range ? range_forces(packing, options, method, forces) : 0;
 }
 
-/* *unbalanced: of the worst method that seeks equilibrium. */
+/* outcome->unbalanced: of the worst method that seeks equilibrium. */
 static int infer_all(const struct force_request *request, const struct force_options *options, struct packing *packing,
-                     size_t *unbalanced)
+                     struct force_outcome *outcome)
 {
     double misfit[2], share = network_load_misfit(packing, misfit);
     if (isfinite(share)) /* all four walls are loaded: left and bottom react */
@@ -67,13 +68,13 @@ static int infer_all(const struct force_request *request, const struct force_opt
         int status = look_around(packing, options, method, &inferred) ? error_context("%s", request->input) : 0;
         size_t out = forces_unbalanced_grains(packing, &inferred, UNBALANCED);
         if (!status)
-            tell(&inferred);
+            tell(&inferred), verdict_note(&outcome->verdict, request->input, packing, &inferred);
         if (status || forces_take_in(packing, &inferred)) {
             forces_free(&inferred);
             return -1;
         }
-        if (method_row(method)->balances && out > *unbalanced)
-            *unbalanced = out;
+        if (method_row(method)->balances && out > outcome->unbalanced)
+            outcome->unbalanced = out;
     }
     return 0;
 }
@@ -104,9 +105,9 @@ int add_forces(const struct force_request *request, struct force_outcome *outcom
     options.from = request->from ? &from : NULL;
     *outcome = (struct force_outcome){.overlaps_over_loads = NAN};
     int status = packing_read(request->input, &packing) || read_state_with_forces(request->previous, &previous) ||
-                 (request->previous && state_check_order(request->previous, &previous.info, &packing.info)) ||
-                 read_state_with_forces(request->from, &from) ||
-                 infer_all(request, &options, &packing, &outcome->unbalanced) ||
+                 (request->previous && (state_check_order(request->previous, &previous.info, &packing.info) ||
+                                        packing_check_previous(request->previous, &previous, &packing))) ||
+                 read_state_with_forces(request->from, &from) || infer_all(request, &options, &packing, outcome) ||
                  (request->fclib && fclib_write(request->fclib, &packing, &options)) ||
                  write_forces(request, &options, &packing);
     outcome->grains = packing.grains.count;

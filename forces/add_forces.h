@@ -2,6 +2,7 @@
 #ifndef FORCES_ADD_FORCES_H
 #define FORCES_ADD_FORCES_H
 
+#include "forces/forces_file.h"
 #include "forces/options.h"
 
 struct force_request {
@@ -17,6 +18,7 @@ struct force_outcome {
                        /* (all but cem) */
     size_t grains;
     double overlaps_over_loads; /* stress.h; NaN: not known */
+    struct verdict_seen verdict;
 };
 
 /* Reads, infers, writes. -1, with an error that names the file: no file of forces was written. A previous state must be

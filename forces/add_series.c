@@ -108,6 +108,7 @@ static int write_all(const struct series_request *request, struct member *member
     for (size_t k = 0; k < request->count && !status; k++) {
         outcome->unbalanced += forces_unbalanced_grains(&members[k].packing, &forces[k], 0.01);
         outcome->grains += members[k].packing.grains.count;
+        verdict_note(&outcome->verdict, members[k].path, &members[k].packing, &forces[k]);
         if (!outcome->worst || summary->photo[k].misfit > outcome->worst_misfit)
             outcome->worst = members[k].path, outcome->worst_misfit = summary->photo[k].misfit;
         status =

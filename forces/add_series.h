@@ -2,6 +2,7 @@
 #ifndef FORCES_ADD_SERIES_H
 #define FORCES_ADD_SERIES_H
 
+#include "forces/forces_file.h"
 #include "forces/series/series.h"
 #include "pipeline/scene/scene.h"
 
@@ -20,6 +21,7 @@ struct series_outcome {
     double misfit;             /* 2 F over the number of data: below 1 where the data fit together; 0 for one photo */
     const char *worst;         /* the input whose own misfit is the largest */
     double worst_misfit;
+    struct verdict_seen verdict;
 };
 
 /* One N.forces.hdf per input N.contacts.hdf, and series.csv: what each photo contributed. */

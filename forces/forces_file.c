@@ -1,11 +1,38 @@
 /* Forces of several methods stand side by side in one packing, by their names. */
 #include "forces/forces_file.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "pipeline/packing/packing_file.h"
 #include "pipeline/speak/error.h"
+
+/* "map: balanced, up to 2e-07 <fn> left, stress 726/1144 kPa": of the first few. */
+static void add_words(struct verdict_seen *seen, const struct packing *packing, const struct forces *forces)
+{
+    size_t used = strlen(seen->summary), room = sizeof seen->summary;
+    double unit = isnan(packing->length_m) ? 1 : 1000;
+    if (used + 90 < room)
+        snprintf(seen->summary + used, room - used, "%s%s: %s, up to %.2g <fn> left, stress %.4g/%.4g %s",
+                 used ? "; " : "", forces->method, VERDICT_NAMES[forces->verdict], forces->imbalance,
+                 forces->stress[0][0] / unit, forces->stress[1][1] / unit, unit > 1 ? "kPa" : "N/m");
+}
+
+void verdict_note(struct verdict_seen *seen, const char *input, const struct packing *packing,
+                  const struct forces *forces)
+{
+    add_words(seen, packing, forces);
+    seen->states++;
+    seen->of_them_void += forces->verdict == VERDICT_VOID;
+    if (forces->verdict <= seen->verdict)
+        return;
+    seen->verdict = forces->verdict;
+    seen->input = input;
+    snprintf(seen->method, sizeof seen->method, "%s", forces->method);
+    snprintf(seen->reasons, sizeof seen->reasons, "%s", forces->reasons);
+}
 
 int forces_take_in(struct packing *packing, struct forces *forces)
 {

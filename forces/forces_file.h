@@ -5,6 +5,17 @@
 #include "pipeline/packing/packing.h"
 #include "pipeline/scene/scene.h"
 
+/* The worst verdict of a run: the first forces that were worse than those before. */
+struct verdict_seen {
+    enum verdict verdict; /* VERDICT_UNKNOWN: none was seen */
+    char method[NAME_LENGTH], reasons[1000];
+    const char *input; /* whose forces */
+    size_t states, of_them_void;
+    char summary[400]; /* of the forces that were seen, each in some words */
+};
+void verdict_note(struct verdict_seen *seen, const char *input, const struct packing *packing,
+                  const struct forces *forces);
+
 /* Takes the forces over (`forces` is empty afterwards); an old result of the same method gives way. */
 int forces_take_in(struct packing *packing, struct forces *forces);
 /* Writes N.forces.hdf: the packing with all its forces, how they came about (JSON), and the files they came from. The

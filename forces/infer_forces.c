@@ -131,35 +131,6 @@ static int infer(const struct problem *problem, const struct method *method, str
     return status;
 }
 
-/* The larger of the force and the moment over the radius that a grain has left; NaN: not known. */
-static double unbalance_of(const struct residuals *residual, size_t k, double radius)
-{
-    double force = hypot(residual->residual_x[k], residual->residual_y[k]);
-    double moment = fabs(residual->residual_m[k]) / radius;
-    return isnan(force) || isnan(moment) ? NAN : fmax(force, moment); /* hypot(inf, NaN) is inf */
-}
-
-/* In the mean over the grains whose balance is known; how far the forces are outside their cones. */
-static void sum_up(const struct packing *packing, const struct contact_law *law, struct forces *forces)
-{
-    double mean = forces_mean(forces->contact.fn, forces->contact.count, 1, NULL),
-           radius = network_radius(&packing->grains), sum = 0, out = 0;
-    size_t known = 0;
-    for (size_t k = 0; k < forces->residual.count; k++) {
-        double unbalance = unbalance_of(&forces->residual, k, radius);
-        known += !isnan(unbalance);
-        sum += isnan(unbalance) ? 0 : unbalance;
-    }
-    for (size_t c = 0; c < forces->contact.count; c++) {
-        size_t wall;
-        double mu = packing_is_wall(packing, c, &wall) ? law->mu_wall : law->mu, fn = forces->contact.fn[c];
-        out = fmax(out, fmax(-fn, fabs(forces->contact.ft[c]) - mu * fn));
-    }
-    mean = isnan(mean) ? 1 : mean;
-    forces->imbalance_mean = known ? sum / (double)known / mean : 0;
-    forces->violation = out / mean;
-}
-
 int infer_forces(const struct packing *packing, const struct force_options *options, enum force_method method,
                  struct forces *forces)
 {
@@ -170,7 +141,7 @@ int infer_forces(const struct packing *packing, const struct force_options *opti
         return -1;
     int status = infer(&(struct problem){packing, &network, options}, row, forces);
     if (!status)
-        sum_up(packing, &options->law, forces);
+        status = result_sum_up(packing, &options->law, options->tolerance, forces);
     network_free(&network);
     if (status)
         forces_free(forces);
@@ -185,7 +156,7 @@ size_t forces_unbalanced_grains(const struct packing *packing, const struct forc
     size_t found = 0;
     const uint32_t *flags = packing->grains.flags;
     for (size_t k = 0; k < forces->residual.count; k++) {
-        double unbalance = unbalance_of(&forces->residual, k, radius);
+        double unbalance = result_unbalance(&forces->residual, k, radius);
         if (isnan(unbalance)) /* nobody knows that it is balanced; of a grain that was not measured its flag says so */
             found += !flags || !(flags[k] & GRAIN_DISTRUST);
         else

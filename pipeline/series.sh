@@ -29,19 +29,25 @@ check_words() {
 # driver whose last stage still writes keeps others away.
 alone() {
     local path
-    for path in "$OUT"/{.lock,.scene,.running,.flagged,.failed,logs}; do # a folder from somebody else
+    for path in "$OUT"/{.lock,.scene,.running,.flagged,.failed,.sums,logs}; do # a folder from somebody else
         [[ ! -L $path ]] || refuse "$path: is a symbolic link: remove it, nothing is written through links"
     done
-    mkdir -p "$OUT"/{.scene,.running,.flagged,.failed,logs}
+    mkdir -p "$OUT"/{.scene,.running,.flagged,.failed,.sums,logs}
     exec 8>>"$OUT/.lock"
     flock --nonblock 8 || refuse "another run works in $OUT: wait for it"
 }
 
-# begin [n]: the makefile $plan, to be run in $folder; with n nothing is changed anywhere.
+# scratch [--directory]: a new file or folder where TMPDIR says, or in /tmp where that is not there.
+scratch() {
+    mktemp "$@" 2>/dev/null || TMPDIR=/tmp mktemp "$@"
+}
+
+# begin N K: the makefile $plan, to be run in $folder; N not empty: nothing is changed anywhere; K not empty: what the
+# scene names and is not there stops only what needs it.
 begin() {
     check_words
-    if [[ ${1:-} ]]; then
-        scratch=$(mktemp -d)
+    if [[ $1 ]]; then
+        scratch=$(scratch --directory)
         trap 'rm -rf "$scratch"' EXIT
         folder=$scratch plan=$scratch/plan.mk
         [[ ! -d $OUT ]] || folder=$OUT
@@ -53,7 +59,7 @@ begin() {
     fi
     planner plan --format make --runner "$pipeline/stage" >"$plan"
     plan=$(realpath -- "$plan")
-    planner check || true # a photo that is not there stops its own stage only
+    planner check || [[ $1$2 || $? == 4 ]] || exit 2
 }
 
 # threads_beside JOBS: for each of so many programs at a time, so that all together have the processors once.
@@ -70,7 +76,11 @@ last_word() {
     failed=$(sed -n 's/\tfailed\t.*//p' <<<"$results" | paste -sd ' ')
     flagged=$(sed -n 's/\tflagged\t.*//p' <<<"$results" | paste -sd ' ')
     (($1 == 0)) || { echo "${failed:+not done: ${failed// /, }: }status $1"; exit "$1"; }
-    [[ ! $flagged ]] || { echo "done; more rows flagged than allowed in $flagged: status 4"; exit 4; }
+    if [[ $flagged ]]; then # why, in the words of the stages: one line each, the first ten
+        find "$OUT/.flagged" -type f -size +0 -print0 | sort -z | xargs -0 -r sed -s -n '$p' | head -n 10
+        echo "done, but not all is as it should be in $flagged: status 4"
+        exit 4
+    fi
     echo "done: $OUT/report.html"
 }
 
@@ -79,17 +89,19 @@ show_status() {
     planner status
 }
 
-# verify: every result is there, and report verify is content with those that are states.
+# verify: every result is there, and report verify is content with them.
 verify() {
     [[ -d $OUT ]] || { echo "nothing is done yet"; exit 1; }
-    local results missing bin scene
-    results=$(planner results) states=$(mktemp)
-    trap 'rm -f "$states"' EXIT
+    local results missing there bin scene
+    results=$(planner results) list=$(scratch)
+    trap 'rm -f "$list"' EXIT
     missing=$(sed -n 's/\t.*\tabsent$//p' <<<"$results" | paste -sd ' ')
     [[ ! $missing ]] || echo "missing: $missing"
-    sed -n 's/\.hdf\t.*\tthere$/.hdf/p' <<<"$results" >"$states"
+    # The picture of the grains is made with them.
+    there=$(sed -n 's/\t.*\tthere$//p' <<<"$results" | sed 's/\(.*\.grains\)\.hdf$/&\n\1.png/')
     bin=$(realpath -- "$BUILD/bin") scene=$(realpath -s -- "$SCENE")
-    [[ ! -s $states ]] ||
-        (cd -- "$OUT" && "$bin/report" verify ${ALLOW_OUTSIDE:+--allow-outside} --scene "$scene" --list "$states")
+    printf '%s' "${there:+$there$'\n'}" >"$list"
+    [[ ! $there ]] ||
+        (cd -- "$OUT" && "$bin/report" verify ${ALLOW_OUTSIDE:+--allow-outside} --scene "$scene" --list "$list")
     [[ ! $missing ]]
 }

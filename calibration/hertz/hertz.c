@@ -1,3 +1,7 @@
+/* Static hypothesis: contacts lie in all directions alike, and the mean stress sends through each the force that its
+ * direction asks for; their displacements by the tangent stiffnesses kn, ks add up to the strain. This gives the moduli
+ * of the header. Hertz's kn at the mean force and Mindlin's ks / kn make them functions of E*, nu*, inverted here.
+ * Since kn ~ E*^2/3 fn^1/3, E goes with E*^2/3 at a fixed pressure. */
 #include "calibration/hertz/hertz.h"
 
 #include <math.h>

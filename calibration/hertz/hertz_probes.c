@@ -1,3 +1,5 @@
+/* Warm probes start from copies of one consolidated packing, whose law is replaced: they differ by their grains alone,
+ * not by the chance of a new packing, and cost a relaxation instead of a compression. Cold ones repeat the paper. */
 #include "calibration/hertz/hertz_probes.h"
 
 #include <math.h>

@@ -1,3 +1,9 @@
+/* Two searches over (E*, nu*).
+ *
+ * Newton: unknowns (ln E*, nu*), answers (ln E, nu). The first Jacobian is that of the closed forms; then Broyden's
+ * update J += (dy - J dx) dx' / |dx|^2. The step in nu* is limited by a trust that is halved whenever the cost grows.
+ * Adam (the paper): gradients by finite differences along the last step, first and second moments m, g with the decay
+ * 0.9 and 0.999, bias taken out by 1 - decay^t, step = -rate m / (g^1/2 + tiny). */
 #include "calibration/hertz/hertz_search.h"
 
 #include <math.h>

@@ -1,3 +1,10 @@
+/* Two scripts for LAMMPS, kept in a temporary folder with what they write. The program is told its numbers by letters:
+ *     E V grains' Young's modulus (Pa) and Poisson's ratio   M F friction of the compression and of the probe
+ *     P pressure (Pa)     K assumed bulk modulus (Pa)        D time constant of the barostat (s)
+ *     L edge of the box   W largest diameter (m)             T U time steps (s): of Hertz, of the soft repulsion
+ *     G R drags (kg/s)    O soft repulsion's largest push    Q strain of the probe
+ *     A B C time steps of resting, straining, compressing
+ * Results come back in the line RESULT of the output. */
 #include "calibration/hertz/lammps_probes.h"
 
 #include <errno.h>

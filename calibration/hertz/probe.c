@@ -1,3 +1,7 @@
+/* E and nu are secants over one small strain from rest to rest. The strain is small enough for the contacts to stay
+ * (docs/calibration_hertz.md), and friction is raised for it, so that nothing slides: the moduli are those of the
+ * springs. When the grains' modulus changes by a ratio r at the same pressure, stiffnesses go as r^2/3 and time steps
+ * as r^-1/3 (Hertz: k ~ E*^2/3 F^1/3). */
 #include "calibration/hertz/probe.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* The file: one line that says what the probes are of, then a line a probe. A row is found again by its two numbers bit
+ * for bit, which %.17g keeps: a search that is started anew asks the same questions in the same order. */
 #include "calibration/hertz/probe_record.h"
 
 #include <errno.h>

@@ -1,3 +1,5 @@
+/* Normal equations, A' W A a = A' W y: the unknowns are few and scaled by the caller, so that their squared condition
+ * does no harm. */
 #include "calibration/rods/fit.h"
 
 #include <string.h>

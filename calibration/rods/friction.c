@@ -1,3 +1,8 @@
+/* Two ways to mu. The three-rod test: at the moment when rod C begins to turn both its contacts slide; equilibrium of
+ * forces and of moments then gives sin 2 phi as in the header. And the statistics of |ft| / fn in a sheared packing:
+ * Coulomb's law ends that distribution at mu, where contacts pile up that are about to slide, blurred by the errors of
+ * the forces. The end is found as the place where most ratios lie just below and fewest just above, judged in standard
+ * deviations of counts (Poisson), over several widths. */
 #include "calibration/rods/friction.h"
 
 #include <math.h>

@@ -1,3 +1,8 @@
+/* One packing per law, all of the same seed: the loose placement is the same, the consolidated packing differs as the
+ * law makes it. Strains grow in a geometric series, so that the fall of the modulus is seen over decades; at the end
+ * the strain turns back. A contact loads for the first time where it is at its largest force so far; below, it unloads
+ * or reloads by the sign of its change. The main direction of a group is that of its fabric tensor: half the angle of
+ * (sum nx^2 - ny^2, sum 2 nx ny). */
 #include "calibration/rods/laws.h"
 
 #include <math.h>
@@ -52,6 +57,7 @@ static void count_groups(const struct snapshot *before, const struct dem *dem, s
         step->angle[g] = step->count[g] ? fabs(0.5 * atan2(fabric[g][1], fabric[g][0])) : NAN;
 }
 
+/* Strains count from the consolidated height. */
 static int take_step(struct probe_packing *packing, double to, double height, struct law_step *step)
 {
     struct loading *loading = &packing->loading;
@@ -72,6 +78,7 @@ static int take_step(struct probe_packing *packing, double to, double height, st
     return rested < 0 ? -1 : 0;
 }
 
+/* Of the contacts that carry, before the probe: mean stiffness and how much of their largest force they bear. */
 static void describe(const struct dem *dem, struct law_curve *curve)
 {
     double stiffness = 0, mobilised = 0;

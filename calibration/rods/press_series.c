@@ -1,3 +1,6 @@
+/* Deflection = scale (l_0 - l), l the distance of the two middles, l_0 that of the first photo that shows both. Its
+ * error is that of the middles projected on the line between them. Forces are interpolated between the two rows of the
+ * record around the photo's time. */
 #include "calibration/rods/press_series.h"
 
 #include <errno.h>

@@ -1,3 +1,8 @@
+/* The Weber stress of forces proportional to k_n is w = k_n / k_trial w_trial. Its components xx and yy of all states
+ * are fitted to the measured ones m with one factor, least squares: r = sum(m w) / sum(w^2), variance = rest / freedom
+ * / sum(w^2). With increments both are counted from the first state. k_t / k_n acts through friction and equilibrium:
+ * it is sought, the factor fitted anew at each trial; its error is that of a least-squares parameter, from the second
+ * derivative S'' of the rest S: s^2 = 2 S / freedom / S''. */
 #include "calibration/rods/rescale.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* metres = s pixels + e, e of one size for all lengths: s = sum(p m) / sum(p^2), variance sigma^2 / sum(p^2). sigma is
+ * that of a length between two marks, 2^1/2 times that of a mark. */
 #include "calibration/rods/scale.h"
 
 #include "pipeline/speak/error.h"

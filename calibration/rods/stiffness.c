@@ -1,3 +1,7 @@
+/* Forces are scaled by the largest one of their branch, so that the systems are of one size; stiffnesses and errors are
+ * scaled back. Weights are 1 / variance of the deflection; the error of the force enters through the slope of a first
+ * fit, s_x^2 + (s_F dx/dF)^2. Two parameters that enter nonlinearly, the break B and the exponent n, are sought; their
+ * errors come from the problem linearised there, with the derivative of the model as one more column. */
 #include "calibration/rods/stiffness.h"
 
 #include <math.h>
@@ -29,36 +33,40 @@ void stiffness_free(struct stiffness *stiffness)
 
 /* ---- the fits ---- */
 
-static double line_chi2(struct branch *branch, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
+/* Each fills in its rows and solves: chi2, infinite where the columns depend on each other. */
+static double solve(struct branch *branch, int unknowns, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
     double chi2 = INFINITY;
+    return fit_linear(branch->rows, branch->x, branch->w, branch->count, unknowns, a, cov, &chi2) ? INFINITY : chi2;
+}
+
+static double line_chi2(struct branch *branch, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
+{
     for (size_t k = 0; k < branch->count; k++) {
         branch->rows[2 * k] = 1;
         branch->rows[2 * k + 1] = branch->force[k];
     }
-    return fit_linear(branch->rows, branch->x, branch->w, branch->count, 2, a, cov, &chi2) ? INFINITY : chi2;
+    return solve(branch, 2, a, cov);
 }
 
 static double bilinear_chi2(struct branch *branch, double at, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
-    double chi2 = INFINITY;
     for (size_t k = 0; k < branch->count; k++) {
         branch->rows[3 * k] = 1;
         branch->rows[3 * k + 1] = fmin(branch->force[k], at);
         branch->rows[3 * k + 2] = fmax(branch->force[k] - at, 0);
     }
-    return fit_linear(branch->rows, branch->x, branch->w, branch->count, 3, a, cov, &chi2) ? INFINITY : chi2;
+    return solve(branch, 3, a, cov);
 }
 
 /* x = x0 + (F / c)^m, m = 1/n. */
 static double power_chi2(struct branch *branch, double m, double a[FIT_MOST], double cov[FIT_MOST][FIT_MOST])
 {
-    double chi2 = INFINITY;
     for (size_t k = 0; k < branch->count; k++) {
         branch->rows[2 * k] = 1;
         branch->rows[2 * k + 1] = pow(fmax(branch->force[k], 0), m);
     }
-    return fit_linear(branch->rows, branch->x, branch->w, branch->count, 2, a, cov, &chi2) ? INFINITY : chi2;
+    return solve(branch, 2, a, cov);
 }
 
 static double bilinear_at(double at, void *user)

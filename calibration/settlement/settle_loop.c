@@ -1,3 +1,7 @@
+/* The loop: simulate, learn, jump, come to rest. Times are cycles; a jump moves the phase of the loading by whole
+ * cycles. After a jump contacts would be lost or crushed: they are carried along first (their overlaps kept), then what
+ * still overlaps too much is parted, then everything relaxes under the stress. Relaxing gives a part of the settlement
+ * back; the jump is repeated by an affine stretch until the height is as promised. */
 #include "calibration/settlement/settle_loop.h"
 
 #include <math.h>

@@ -1,3 +1,6 @@
+/* Residual: from the beginning of a cycle to its end. Reversible: within a cycle, off the straight line between its
+ * ends, so that the drift is not counted. A grain that is missing at the end of a cycle is not used; missing in
+ * between, it loses those photos only. */
 #include "calibration/settlement/settle_series.h"
 
 #include <math.h>

@@ -1,3 +1,6 @@
+/* Trends of one displacement u over the cycles t, fitted from the first training cycle t0 on; u(t0) is taken as exact
+ * in the first two (equations in brackets: Karrech and others). TREND_LOG has a constant of its own, so that the noise
+ * of one end does not tilt it. Since only differences of u are used, any origin serves. */
 #include "calibration/settlement/settlement.h"
 
 #include <math.h>

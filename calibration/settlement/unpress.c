@@ -1,3 +1,7 @@
+/* Minimisation of an energy of the grains' positions by limited-memory BFGS: H, the inverse of the second derivative,
+ * is built from the last MEMORY steps s and changes of the gradient y with rho = 1 / (s' y), starting from s' y / y' y
+ * (Nocedal 1980; Nocedal and Wright, Numerical Optimization, algorithm 7.4). Steps are halved until Armijo's condition
+ * holds; pairs with too little curvature are not remembered, so that H stays positive. */
 #include "calibration/settlement/unpress.h"
 
 #include <math.h>
@@ -6,7 +10,7 @@
 
 #include "pipeline/speak/error.h"
 
-enum { MEMORY = 8 };
+enum { MEMORY = 8 }; /* pairs (s, y) */
 
 struct work {
     struct dem *dem;
@@ -114,6 +118,7 @@ static int evaluate(struct work *work, const double *x, double *gradient, double
     return 0;
 }
 
+/* Largest component. */
 static double largest(const double *g, size_t n)
 {
     double most = 0;
@@ -149,6 +154,7 @@ static void find_direction(struct work *work)
     }
 }
 
+/* The last step as a pair (s, y). */
 static void remember(struct work *work)
 {
     int k = work->kept ? (work->newest + 1) % MEMORY : 0;
@@ -187,6 +193,8 @@ static int go_down(struct work *work, double most, double *energy)
     return 0;
 }
 
+/* Down from where the grains stand until the largest unbalanced component is small beside the largest contact force.
+ * Where no step goes down, once more along the gradient itself; then it is done. */
 static int minimise(struct work *work, double most, double *history, size_t room, struct unpress *result)
 {
     double energy;

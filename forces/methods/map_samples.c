@@ -40,21 +40,20 @@ static int disturb(const struct map *base, size_t draw, struct evidence *to)
 }
 
 /* Each draw starts from the solution of the undisturbed problem, whatever was drawn before it. */
-static int draw_one(const struct map *base, size_t draw, struct map *map, double *f)
+static int draw_one(const struct map *base, size_t draw, struct map *map, struct evidence *disturbed, double *f)
 {
-    struct evidence disturbed = {0};
     int iterations = 0;
-    if (disturb(base, draw, &disturbed))
+    if (disturb(base, draw, disturbed))
         return -1;
     map_copy(base, map);
-    map->evidence = &disturbed;
+    map->evidence = disturbed;
     for (size_t c = 0; c < map->count; c++) /* the barrier keeps away from the edges: a draw may come close to them */
         map->weight[c] *= DRAW_BARRIER;
     memcpy(map->variance, base->evidence->variance, 2 * map->count * sizeof(double));
     map->rough = DRAW_ROUGH;
     int status = map_interior(map, &iterations);
     memcpy(f, map->forces, 2 * map->count * sizeof *f);
-    evidence_free(&disturbed);
+    evidence_free(disturbed);
     return status < 0 ? -1 : 0;
 }
 
@@ -78,9 +77,11 @@ static int draw_all(const struct map *base, size_t samples, double *draws)
         struct map map;
         int failed = map_begin(base->network, base->options, base->evidence, &map);
 #pragma omp for schedule(dynamic)
-        for (size_t k = 0; k < samples; k++)
-            if (failed || draw_one(base, k, &map, draws + k * 2 * base->count))
+        for (size_t k = 0; k < samples; k++) {
+            struct evidence disturbed = {0};
+            if (failed || draw_one(base, k, &map, &disturbed, draws + k * 2 * base->count))
                 error_share(&shared, (long)k);
+        }
         map_free(&map);
     }
     return error_collect(&shared);

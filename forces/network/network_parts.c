@@ -97,7 +97,14 @@ static int check_held(const struct packing *packing)
     for (size_t k = 0; k < packing->grains.count; k++)
         if (network_fixes(packing, k))
             return 0;
-    return error_input("nothing holds the packing: give the scene a frame, or flag a grain as fixed");
+    size_t touching = 0;
+    for (size_t c = 0; c < packing->contacts.count; c++)
+        touching += !(packing->contacts.flags[c] & CONTACT_CANDIDATE);
+    if (touching || packing->grains.count < 2)
+        return error_input("nothing holds the packing: give the scene a frame, or flag a grain as fixed");
+    return error_input("no two of %zu grains touch, so there are no forces: run contacts again with other radii "
+                       "(contacts.radius_offset_px or radius_scale)",
+                       packing->grains.count);
 }
 
 int network_check(const struct packing *packing, const struct network_options *options)

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forces/network/network_loads.h"
 #include "pipeline/packing/stress.h"
+#include "pipeline/packing/verdict.h"
 #include "pipeline/speak/error.h"
 
 #define NORMAL_90 1.645 /* standard deviations on each side that hold 90 % */
@@ -111,4 +113,35 @@ int result_store_spread(const struct network *network, const struct spread *spre
         out->fn_max[row] = spread->fn_max[c] * network->force;
     }
     return 0;
+}
+
+double result_unbalance(const struct residuals *residual, size_t k, double radius)
+{
+    double force = hypot(residual->residual_x[k], residual->residual_y[k]);
+    double moment = fabs(residual->residual_m[k]) / radius;
+    return isnan(force) || isnan(moment) ? NAN : fmax(force, moment); /* hypot(inf, NaN) is inf */
+}
+
+/* In the mean over the grains whose balance is known; how far the forces are outside their cones. */
+int result_sum_up(const struct packing *packing, const struct contact_law *law, double tolerance, struct forces *forces)
+{
+    double mean = forces_mean(forces->contact.fn, forces->contact.count, 1, NULL),
+           radius = network_radius(&packing->grains), sum = 0, out = 0;
+    size_t known = 0;
+    for (size_t k = 0; k < forces->residual.count; k++) {
+        double unbalance = result_unbalance(&forces->residual, k, radius);
+        known += !isnan(unbalance);
+        sum += isnan(unbalance) ? 0 : unbalance;
+    }
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        size_t wall;
+        double mu = packing_is_wall(packing, c, &wall) ? law->mu_wall : law->mu, fn = forces->contact.fn[c];
+        out = fmax(out, fmax(-fn, fabs(forces->contact.ft[c]) - mu * fn));
+    }
+    mean = isnan(mean) ? 1 : mean;
+    forces->imbalance_mean = known ? sum / (double)known / mean : 0;
+    forces->violation = out / mean;
+    forces->tolerance = tolerance;
+    forces->converged = forces->imbalance <= tolerance;
+    return verdict_find(packing, forces);
 }

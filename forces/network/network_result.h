@@ -13,6 +13,15 @@
 int result_store(const struct packing *packing, const struct network *network, double margin, const double *f,
                  const double *unbalance, struct forces *forces);
 
+/* The larger of the force and the moment over the radius (m) that grain k has left, N; NaN: not known. */
+double result_unbalance(const struct residuals *residual, size_t k, double radius);
+
+/* What is said of forces whose columns, imbalance, iterations, stiffness and proof stand: the mean of what the grains
+ * have left, how far the forces are outside their cones, whether they converged (imbalance <= tolerance) and the
+ * verdict (packing/verdict.h). 0, or -1 when out of memory. */
+int result_sum_up(const struct packing *packing, const struct contact_law *law, double tolerance,
+                  struct forces *forces);
+
 /* How far forces are determined: one number per contact of the network, in working units. */
 struct spread {
     double *s_fn, *s_ft;     /* standard deviations */

@@ -9,6 +9,9 @@
 #include "pipeline/speak/error.h"
 
 #define STATUS_MARGIN 1e-9 /* far above rounding */
+/* Standard errors of an equation of equilibrium: the largest of some 5,000 stays below that, where nothing is missing.
+ */
+#define SERIES_BALANCE 5
 
 /* The columns of one state, judged as every method is: f is clean, so that open contacts carry nothing. */
 static int store(const struct series *series, struct series_state *state, struct forces *forces)
@@ -115,9 +118,12 @@ int series_results(struct series *series, const struct series_loads *loads, stru
         clean(&series->state[s]);
         if (store(series, &series->state[s], &forces[s]))
             return -1;
-        forces[s].iterations = series->steps, forces[s].converged = summary->converged;
+        forces[s].iterations = series->steps, forces[s].solved = summary->converged ? 1 : -1;
         describe(series, s, &summary->photo[s]);
         forces[s].data_misfit = summary->photo[s].misfit;
+        double tolerance = SERIES_BALANCE * series->series_options->softness;
+        if (result_sum_up(series->state[s].packing, &series->options->law, tolerance, &forces[s]))
+            return -1;
         if (count_fresh(series, s, forces, &summary->photo[s]))
             return -1;
     }

@@ -56,7 +56,7 @@ static const struct option_row shared[] = {
      .help = "Write the result here (and nowhere else); a folder where there are several files"},
     {"threads", NULL, OPTION_WHOLE, AT(threads), "N", .max = 4096,
      .help = "Use N threads, 0: as many as the machine has; results do not depend on it"},
-    {"quiet", NULL, OPTION_SWITCH, AT(quiet), .letter = 'q', .help = "No progress bar"},
+    {"quiet", NULL, OPTION_SWITCH, AT(quiet), .letter = 'q', .help = "No progress bar, no summary"},
     {"log", NULL, OPTION_OUTPUT, AT(log), "FILE", .help = "Write times and iterations here, one JSON object per line"},
     {"max-flagged", NULL, OPTION_NUMBER, AT(max_flagged), "SHARE", .max = 1,
      .help = "Exit with status 4 when a larger share of the rows is flagged; the output is written all the same"},
@@ -74,7 +74,8 @@ static struct cli_inputs written, words; /* that options took as outputs; all ot
 /* The row that argp means; NULL: one of argp's own keys, or none. */
 static const struct option_row *row_of(int key)
 {
-    return key >= SHARED && key < SHARED + OPTION_MOST              ? &shared[key - SHARED]
+    enum { SHARED_ROWS = sizeof shared / sizeof *shared };
+    return key >= SHARED && key < SHARED + SHARED_ROWS              ? &shared[key - SHARED]
            : running->rows && key >= OWN && key < OWN + OPTION_MOST ? &running->rows[key - OWN]
                                                                     : NULL;
 }
@@ -130,7 +131,7 @@ static error_t parse_row(int key, char *argument, struct argp_state *state)
     if (row->type == OPTION_OUTPUT || row->type == OPTION_TEXT || row->type == OPTION_LIST)
         if (cli_inputs_add(row->type == OPTION_OUTPUT ? &written : &words, argument))
             return ENOMEM;
-    if (key < SHARED)
+    if (key >= OWN && key < OWN + OPTION_MOST)
         cli->given |= (uint64_t)1 << (key - OWN);
     return 0;
 }
@@ -281,6 +282,32 @@ int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char 
              cli->output ? cli->output : "done", flagged, total, what, cli->max_flagged);
     print_line(note);
     return EXIT_FLAGGED;
+}
+
+static void print_format(const char *format, va_list values)
+{
+    char line[2000];
+    vsnprintf(line, sizeof line, format, values);
+    print_line(line);
+}
+
+int cli_doubt(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    print_format(format, values);
+    va_end(values);
+    return EXIT_FLAGGED;
+}
+
+void cli_summary(const struct cli *cli, const char *format, ...)
+{
+    va_list values;
+    if (cli->quiet)
+        return;
+    va_start(values, format);
+    print_format(format, values);
+    va_end(values);
 }
 
 /* ---- log ---- */

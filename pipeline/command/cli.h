@@ -62,6 +62,12 @@ int cli_given(const struct cli *cli, const char *name);
 int cli_finish(struct cli *cli, int status);
 /* EXIT_FLAGGED with a note on stderr when flagged > max_flagged * total, else 0; `what`: "grains are flagged". */
 int cli_flagged(const struct cli *cli, size_t flagged, size_t total, const char *what);
+/* A result that was written and is hardly what was wanted: one line on stderr, also with --quiet, that says what is
+ * wrong and what to do, as printf() would print it. EXIT_FLAGGED. */
+int cli_doubt(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* What was found, for people, at the end of a run that went well: one line on stderr, "program: ...", as printf() would
+ * print it; nothing with --quiet. */
+void cli_summary(const struct cli *cli, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* One JSON object per line into --log (no effect without): log_event("refine", "iterations", 3.0, "rms_px", 0.01,
  * NULL): pairs of a name and a double. Not for parallel regions. */

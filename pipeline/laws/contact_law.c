@@ -3,6 +3,8 @@
 #include "pipeline/files/json.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 enum { MOST_KEYS = 16 };
 
@@ -46,20 +48,31 @@ static int check_keys(const struct law *row, const struct json *json, const cJSO
     return json_check_keys(json, object, names);
 }
 
+/* All that is missing is named at once. */
+static int read_numbers(const struct law *row, const struct json *json, const cJSON *object, struct contact_law *law)
+{
+    char missing[400] = "";
+    for (const struct law_key *key = row->keys; key->name; key++) {
+        int there = json_number(json, object, key->name, key->min, key->max, number_at(law, key));
+        size_t used = strlen(missing);
+        if (there < 0)
+            return -1;
+        if (!there && key->needed)
+            snprintf(missing + used, sizeof missing - used, "%s%s", used ? " and " : "", key->name);
+    }
+    return *missing
+               ? json_error(json, object, "law '%s' (%s) needs %s in 'contact': add it", row->name, row->says, missing)
+               : 0;
+}
+
 int contact_law_read_as(const struct law *row, const struct json *json, const cJSON *object, struct contact_law *law)
 {
     struct contact_law read = CONTACT_LAW_DEFAULT;
     read.row = row;
     if (check_keys(row, json, object))
         return -1;
-    for (const struct law_key *key = row->keys; key->name; key++) {
-        int there = json_number(json, object, key->name, key->min, key->max, number_at(&read, key));
-        if (there < 0)
-            return -1;
-        if (!there && key->needed)
-            return json_error(json, object, "law '%s' (%s) needs %s: add it to 'contact'", row->name, row->says,
-                              key->name);
-    }
+    if (read_numbers(row, json, object, &read))
+        return -1;
     if (!isnan(read.poisson))
         contact_law_set_grains(&read, read.young, read.poisson);
     if (json_number(json, object, "mu", 0, 10, &read.mu) < 0 ||

@@ -60,6 +60,7 @@ struct forces {
     int iterations;
     int converged;    /* imbalance <= tolerance, and the loads themselves balance (packing/verdict.h) */
     double tolerance; /* of the imbalance, by which this method is judged; NaN: not said */
+    int solved;       /* the method's own iteration ended by its own criterion: 1 yes, -1 no, 0 not said */
     enum verdict verdict;
     char reasons[1000];    /* why, in words; "" when balanced */
     int infeasible;        /* proved: no admissible forces balance the loads */

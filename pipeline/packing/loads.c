@@ -242,6 +242,17 @@ static double pressing(enum kind kind, const struct rows *rows)
     return sum / 4;
 }
 
+/* What makes pressing() a mean over the components that are known. */
+static double share_known(enum kind kind, const struct rows *rows)
+{
+    int known = 0;
+    if (kind == BY_STRESS)
+        return isnan(rows->sxx) || isnan(rows->syy) ? 2 : 1;
+    for (int k = 0; k < 4; k++)
+        known += rows->given[k] != 0;
+    return 4.0 / known;
+}
+
 /* A heap of grains without glue cannot be pulled. Zeros of load cells are not exact: what is small beside the largest
  * load of the test is forgiven. */
 #define PULL_FORGIVEN 0.05
@@ -345,16 +356,19 @@ static int apply(const char *path, enum kind kind, struct rows *rows, double len
     return 0;
 }
 
-int loads_check(const char *path, const int64_t *photos, size_t count)
+int loads_check(const char *path, const int64_t *photos, size_t count, struct loads_press *press)
 {
     struct table table;
     size_t at = 0;
     int status = table_open(path, &table);
     if (status)
         return -1;
+    *press = (struct loads_press){.per_area = table.kind == BY_STRESS};
     for (size_t k = 0; k < count && !status; k++) {
         struct rows rows;
         status = take_photo(path, &table, photos[k], &at, &rows) || check_sign(path, &table, photos[k], &rows) ? -1 : 0;
+        if (!status)
+            press->most = fmax(press->most, pressing(table.kind, &rows) * share_known(table.kind, &rows));
     }
     free(table.rows);
     return status;

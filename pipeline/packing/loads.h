@@ -13,8 +13,13 @@
  * follows from equilibrium). An empty cell is NaN. Unknown walls, indices that do not parse, no row for this index, two
  * for one load, or loads that pull outwards: an error with file and line. */
 int loads_apply(const char *path, int64_t index, double length_m, struct walls *walls);
+/* The most that any photo's loads press with: the mean over the walls whose load is known. */
+struct loads_press {
+    double most;  /* N on a wall; Pa where the file holds stresses */
+    int per_area; /* 1: Pa */
+};
 /* Can the file be read, and does it say of each of these photos (in ascending order) what loads_apply() needs? The same
  * errors; walls are not looked at. */
-int loads_check(const char *path, const int64_t *photos, size_t count);
+int loads_check(const char *path, const int64_t *photos, size_t count, struct loads_press *press);
 
 #endif

@@ -100,7 +100,7 @@ static int read_tables(const struct state *state, const char *path, struct packi
 
 static int read_attributes(const struct state *state, const char *group, struct forces *forces)
 {
-    double iterations = 0, converged = 0, infeasible = 0, stress[4] = {NAN, NAN, NAN, NAN};
+    double iterations = 0, converged = 0, infeasible = 0, solved = NAN, stress[4] = {NAN, NAN, NAN, NAN};
     char verdict[NAME_LENGTH] = "";
     forces->tolerance = NAN;
     forces->imbalance = forces->kn = forces->kt = forces->mu = forces->misfit[0] = forces->misfit[1] = NAN;
@@ -109,6 +109,7 @@ static int read_attributes(const struct state *state, const char *group, struct 
         state_read_text(state, group, "reasons", forces->reasons, sizeof forces->reasons) < 0 ||
         state_read_numbers(state, group, "iterations", &iterations, 1) < 0 ||
         state_read_numbers(state, group, "tolerance", &forces->tolerance, 1) < 0 ||
+        state_read_numbers(state, group, "solved", &solved, 1) < 0 ||
         state_read_numbers(state, group, "converged", &converged, 1) < 0 ||
         state_read_numbers(state, group, "infeasible", &infeasible, 1) < 0 ||
         state_read_numbers(state, group, "residual", &forces->imbalance, 1) < 0 ||
@@ -128,6 +129,7 @@ static int read_attributes(const struct state *state, const char *group, struct 
         return -1;
     forces->iterations = isfinite(iterations) && fabs(iterations) < 1e9 ? (int)iterations : 0;
     forces->converged = converged == 1;
+    forces->solved = isnan(solved) ? 0 : solved == 1 ? 1 : -1;
     for (int k = 0; VERDICT_NAMES[k]; k++)
         if (!strcmp(verdict, VERDICT_NAMES[k]))
             forces->verdict = (enum verdict)k;
@@ -244,6 +246,9 @@ static int write_stability(struct state_writer *writer, const char *group, const
 
 static int write_verdict(struct state_writer *writer, const char *group, const struct forces *forces)
 {
+    const double solved = forces->solved > 0;
+    if (forces->solved && state_write_numbers(writer, group, "solved", &solved, 1))
+        return -1;
     if (forces->verdict == VERDICT_UNKNOWN)
         return 0;
     return state_write_numbers(writer, group, "tolerance", &forces->tolerance, 1) ||

@@ -25,15 +25,28 @@ static double mean_load(const struct walls *walls, int axis)
     return count > 0 ? sum / count : NAN;
 }
 
-double loads_misfit_share(const struct walls *walls, const double misfit[2])
+/* What the contacts of a wall, and of the corner discs that move with it, bear along its inward normal, N: the
+ * component outwards of the forces fn n + ft t that the grains put on it. *touched: does any of them carry? */
+static double wall_bears(const struct packing *packing, const struct forces *forces, size_t w, int *touched)
 {
-    double worst = NAN;
-    for (int axis = 0; axis < 2; axis++) {
-        double load = mean_load(walls, axis), share = fabs(misfit[axis]) / load;
-        if (load > 0 && isfinite(share))
-            worst = fmax(share, isnan(worst) ? 0 : worst);
+    char name[NAME_LENGTH + 1] = "", other[NAME_LENGTH + 1] = "";
+    struct vec inward = wall_inward(&packing->walls, w);
+    double sum = 0;
+    size_t wall;
+    memcpy(name, packing->walls.name[w], NAME_LENGTH);
+    *touched = 0;
+    for (size_t c = 0; c < forces->contact.count; c++) {
+        if (!packing_is_wall(packing, c, &wall) || !(forces->contact.fn[c] > 0))
+            continue;
+        memcpy(other, packing->walls.name[wall], NAME_LENGTH);
+        if (wall != w && !(wall_is_disc(&packing->walls, wall) && strstr(other, name)))
+            continue;
+        struct vec n = vec(packing->contacts.nx[c], packing->contacts.ny[c]);
+        sum -= vec_dot(inward,
+                       vec_add(vec_scale(forces->contact.fn[c], n), vec_scale(forces->contact.ft[c], vec_turn(n))));
+        *touched = 1;
     }
-    return worst;
+    return sum;
 }
 
 /* ---- the reasons ---- */
@@ -67,44 +80,51 @@ static int carries(const struct forces *forces, size_t c)
     return forces->contact.fn[c] > 0;
 }
 
-/* Does any contact of this wall, or of a corner disc that moves with it, carry a force? */
-static int wall_is_carried(const struct packing *packing, const struct forces *forces, size_t w)
-{
-    char name[NAME_LENGTH + 1] = "", other[NAME_LENGTH + 1] = "";
-    size_t wall;
-    memcpy(name, packing->walls.name[w], NAME_LENGTH);
-    for (size_t c = 0; c < forces->contact.count; c++) {
-        if (!carries(forces, c) || !packing_is_wall(packing, c, &wall))
-            continue;
-        memcpy(other, packing->walls.name[wall], NAME_LENGTH);
-        if (wall == w || (wall_is_disc(&packing->walls, wall) && strstr(other, name)))
-            return 1;
-    }
-    return 0;
-}
-
+/* Every wall whose load is known bears it, also those whose reaction the methods leave free: where all four are loaded,
+ * left and bottom show what the loads leave over. */
 static void look_at_walls(struct finding *finding, const struct packing *packing)
 {
     const struct walls *walls = &packing->walls;
-    double largest = 0;
-    for (size_t w = 0; w < walls->count; w++)
-        largest = fmax(largest, fabs(wall_load(walls, w))); /* fmax ignores NaN */
-    for (size_t w = 0; w < walls->count; w++)
-        if (fabs(wall_load(walls, w)) > 1e-3 * largest && !wall_is_carried(packing, finding->forces, w))
+    int balances = finding->forces->iterations > 0;
+    for (size_t w = 0; w < walls->count; w++) {
+        int touched,
+            axis = !wall_is_disc(walls, w) && fabs(wall_inward(walls, w).x) > fabs(wall_inward(walls, w).y) ? 0 : 1;
+        double load = wall_load(walls, w), mean = mean_load(walls, axis);
+        if (!isfinite(load) || !(fabs(load) > 1e-3 * mean))
+            continue;
+        double bears = wall_bears(packing, finding->forces, w, &touched), share = fabs(bears - load) / mean;
+        if (!touched)
             say(finding, VERDICT_VOID, "the %.*s wall is loaded, but no contact there carries anything", NAME_LENGTH,
                 walls->name[w]);
+        else if (share > LIMIT_LOADS)
+            say(finding, balances && share > VOID_LOADS ? VERDICT_VOID : VERDICT_DOUBTFUL,
+                "the contacts of the %.*s wall bear %.3g N, but its load is %.3g N: look for a wrong or missing load",
+                NAME_LENGTH, walls->name[w], bears, load);
+        if (share > LIMIT_LOADS)
+            finding->forces->converged = 0;
+    }
 }
 
-static void look_at_loads(struct finding *finding, const struct packing *packing)
+/* What the grains have left, all together: loads that do not balance may be spread over many grains, a little on each.
+ */
+static void look_at_sum(struct finding *finding, const struct packing *packing)
 {
-    struct forces *forces = finding->forces;
-    double share = loads_misfit_share(&packing->walls, forces->misfit);
-    if (share > LIMIT_LOADS)
-        say(finding, share > VOID_LOADS ? VERDICT_VOID : VERDICT_DOUBTFUL,
-            "the loads on opposite walls differ by %.2g %% of their mean: look for a wrong or missing load",
-            100 * share);
-    if (share > LIMIT_LOADS)
-        forces->converged = 0;
+    const struct residuals *residual = &finding->forces->residual;
+    const double *const columns[2] = {residual->residual_x, residual->residual_y};
+    for (int axis = 0; axis < 2; axis++) {
+        double sum = 0, load = mean_load(&packing->walls, axis);
+        for (size_t k = 0; columns[axis] && k < residual->count; k++)
+            sum += isfinite(columns[axis][k]) ? columns[axis][k] : 0;
+        if (!(fabs(sum) > LIMIT_LOADS * load))
+            continue;
+        int is_void = finding->forces->iterations > 0 && fabs(sum) > VOID_LOADS * load;
+        say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
+            "the grains are left with %.3g N along %c in all, where the walls are loaded with %.3g N: look for a wrong "
+            "or "
+            "missing load",
+            sum, axis ? 'y' : 'x', load);
+        finding->forces->converged = 0;
+    }
 }
 
 /* The parts of the mean stress that are known from the loads: applied, and Weber's of the same axes. */
@@ -119,27 +139,25 @@ static void mean_stresses(const double applied[2][2], const double weber[2][2], 
         mean[k] = known ? mean[k] / known : NAN;
 }
 
-static int look_at_stress(struct finding *finding, const struct packing *packing)
+/* `mean`: applied, Weber's. Loads of the wrong sign are the cause of all else: they come before it. */
+static void look_at_sign(struct finding *finding, const double mean[2], const char *units)
 {
-    const struct forces *forces = finding->forces;
-    double applied[2][2], mean[2], area;
-    if (packing_area(packing, &area))
-        return -1;
-    stress_applied(packing, area, applied);
-    mean_stresses((const double(*)[2])applied, forces->stress, mean);
-    const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
     if (mean[0] < 0)
         say(finding, VERDICT_VOID, "the loads pull outwards (mean stress %.3g %s): is their sign turned?", mean[0],
             units);
+}
+
+static void look_at_stress(struct finding *finding, const double mean[2], const char *units)
+{
     double off = fabs(mean[1] / mean[0] - 1);
     if (!(mean[0] > 0) || !(off > LIMIT_STRESS))
-        return 0;
-    int is_void = off > VOID_STRESS && forces->iterations > 0;
+        return;
+    int is_void = off > VOID_STRESS && finding->forces->iterations > 0;
     say(finding, is_void ? VERDICT_VOID : VERDICT_DOUBTFUL,
-        "the contact forces make a stress of %.3g %s where %.3g is "
-        "applied: contacts were missed, or loads or scale are wrong",
+        "the contact forces make a stress of %.3g %s where %.3g is applied: contacts were missed, or loads or scale "
+        "are "
+        "wrong",
         mean[1], units, mean[0]);
-    return 0;
 }
 
 static void look_at_balance(struct finding *finding, const struct packing *packing)
@@ -178,12 +196,18 @@ static void look_at_overlaps(struct finding *finding, const struct packing *pack
 int verdict_find(const struct packing *packing, struct forces *forces)
 {
     struct finding finding = {.forces = forces};
-    forces->verdict = VERDICT_BALANCED;
-    if (look_at_stress(&finding, packing))
+    const char *units = isnan(packing->length_m) ? "N/m" : "Pa";
+    double area, applied[2][2], mean[2];
+    if (packing_area(packing, &area))
         return -1;
-    look_at_loads(&finding, packing);
-    look_at_walls(&finding, packing);
+    stress_applied(packing, area, applied);
+    mean_stresses((const double(*)[2])applied, forces->stress, mean);
+    forces->verdict = VERDICT_BALANCED;
+    look_at_sign(&finding, mean, units);
     look_at_balance(&finding, packing);
+    look_at_walls(&finding, packing);
+    look_at_sum(&finding, packing);
+    look_at_stress(&finding, mean, units);
     look_at_overlaps(&finding, packing);
     const char *gap = *finding.list[0] && *finding.list[1] ? "; " : "";
     snprintf(forces->reasons, sizeof forces->reasons, "%.480s%s%.480s", finding.list[1], gap, finding.list[0]);

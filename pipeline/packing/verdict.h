@@ -18,8 +18,4 @@
  */
 int verdict_find(const struct packing *packing, struct forces *forces);
 
-/* What the loads on all four walls leave over, as a share of the mean load of that axis, the worse of the two axes; NaN
- * where a wall bears no load. misfit: x and y, N. */
-double loads_misfit_share(const struct walls *walls, const double misfit[2]);
-
 #endif

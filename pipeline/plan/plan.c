@@ -1,6 +1,6 @@
 /* Which result is made from which. Inside a block of photos.block photos the search in each photo starts from the one
- * before, so that blocks can run side by side; contacts and forces go through the whole series in the order of the
- * photos, because increments, and forces that start from the previous ones, need the state before. */
+ * before that is there, so that blocks can run side by side; contacts and forces go through the whole series in the
+ * order of the photos, because increments, and forces that start from the previous ones, need the state before. */
 #include "pipeline/plan/plan.h"
 
 #include <fcntl.h>
@@ -73,10 +73,30 @@ static int is_together(const struct plan *plan)
     return method && !strcmp(method, "series");
 }
 
+/* Number of each photo that counts, and whether its file can be read. */
+static int list_photos(struct plan *plan)
+{
+    plan->number = malloc((size_t)plan->photos * sizeof *plan->number);
+    plan->there = malloc((size_t)plan->photos);
+    if (!plan->number || !plan->there)
+        return error_memory("plan");
+    long index = plan->scene->photos.first - 1;
+    for (long k = 0; k < plan->photos; k++) {
+        plan->number[k] = index = scene_photo_next(plan->scene, index);
+        char *path = scene_photo_path(plan->scene, index);
+        plan->there[k] = !path || !access(path, R_OK); /* a path that is refused: its product says why */
+        free(path);
+    }
+    return 0;
+}
+
 int plan_make(struct plan *plan, const struct scene *scene, const struct plan_words *words)
 {
     const struct scene_photos *photos = &scene->photos;
-    *plan = (struct plan){.scene = scene, .words = *words, .folder = -1, .photos = photos->last - photos->first + 1};
+    *plan = (struct plan){.scene = scene,
+                          .words = *words,
+                          .folder = -1,
+                          .photos = photos->last - photos->first + 1 - (long)photos->skip_count};
     if (!photos->pattern)
         return scene_lacks(scene, "photos.pattern", "write for example \"photos/{index:04d}.tif\"");
     plan->together = is_together(plan);
@@ -87,7 +107,7 @@ int plan_make(struct plan *plan, const struct scene *scene, const struct plan_wo
                            scene->path, plan->photos, most);
     plan->count = 4 * (size_t)plan->photos + 2 + (plan->together != 0);
     plan->folder = open(words->out, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    int failed = !(plan->scene_path = absolute(scene->path));
+    int failed = list_photos(plan) || !(plan->scene_path = absolute(scene->path));
     for (int stage = 0; stage < PLAN_STAGES && !failed; stage++)
         failed = !(plan->part[stage] = part_of(plan, stage));
     if (failed)
@@ -100,6 +120,8 @@ void plan_free(struct plan *plan)
     for (int stage = 0; stage < PLAN_STAGES; stage++)
         free(plan->part[stage]);
     free(plan->scene_path);
+    free(plan->number);
+    free(plan->there);
     if (plan->folder >= 0)
         close(plan->folder);
     *plan = (struct plan){.folder = -1};
@@ -112,7 +134,7 @@ static struct plan_name name_of(const struct plan *plan, enum plan_kind kind, lo
 {
     struct plan_name result = {kind, photo, ""};
     const struct scene_photos *photos = &plan->scene->photos;
-    long index = kind == RESULT_GRAINS ? photos->reference : photos->first + photo;
+    long index = kind == RESULT_GRAINS ? photos->reference : plan->number[photo];
     if (kind == RESULT_TABLE || kind == RESULT_PAGE)
         strcpy(result.name, rows[kind].ending);
     else
@@ -128,6 +150,25 @@ struct plan_name plan_name(const struct plan *plan, size_t k)
     for (; kind < RESULT_PAGE && k >= members[kind]; kind++)
         k -= members[kind];
     return name_of(plan, kind, (long)k);
+}
+
+int plan_is_made(const struct plan *plan, const struct plan_name *of, unsigned kinds)
+{
+    return (kinds >> of->kind & 1) && (of->kind == RESULT_GRAINS || plan->there[of->photo]);
+}
+
+static long block_of(const struct plan *plan, long photo)
+{
+    return (plan->number[photo] - plan->scene->photos.first) / plan->scene->photos.block;
+}
+
+/* The last photo before this one that is there; -1: none. */
+static long before(const struct plan *plan, long photo)
+{
+    do
+        photo--;
+    while (photo >= 0 && !plan->there[photo]);
+    return photo;
 }
 
 /* ---- one result ---- */
@@ -173,12 +214,12 @@ static const char *reads(struct writer *w, char *path)
     return whole ? whole : "";
 }
 
-/* All results of these kinds (bits). */
+/* All results of these kinds (bits), of the photos that are there. */
 static void need_all(struct writer *w, unsigned kinds)
 {
     for (size_t k = 0; k < w->plan->count; k++) {
         struct plan_name other = plan_name(w->plan, k);
-        if (kinds >> other.kind & 1)
+        if (plan_is_made(w->plan, &other, kinds))
             need(w, other.name);
     }
 }
@@ -212,8 +253,7 @@ static void put_word(struct writer *w, const char *word)
     if (!strcmp(word, "SCENE"))
         put(w, plan->words.allow_outside ? "--allow-outside --scene" : "--scene", plan->scene_path);
     else if (!strcmp(word, "PHOTO") || !strcmp(word, "REFERENCE"))
-        put(w, "",
-            reads(w, scene_photo_path(plan->scene, *word == 'R' ? photos->reference : photos->first + of.photo)));
+        put(w, "", reads(w, scene_photo_path(plan->scene, *word == 'R' ? photos->reference : plan->number[of.photo])));
     else if (!strcmp(word, "GRAINS"))
         put_result(w, "", RESULT_GRAINS, 0);
     else if (!strcmp(word, "TRACKS"))
@@ -223,8 +263,9 @@ static void put_word(struct writer *w, const char *word)
     else if (!strcmp(word, "FORCES"))
         put_result(w, "", RESULT_FORCES, of.photo);
     else if (!strcmp(word, "BEFORE") || !strcmp(word, "BEFORE_IN_BLOCK")) {
-        if (word[6] ? of.photo % photos->block : of.photo)
-            put_result(w, "--previous", of.kind, of.photo - 1);
+        long from = before(plan, of.photo);
+        if (from >= 0 && (!word[6] || block_of(plan, from) == block_of(plan, of.photo)))
+            put_result(w, "--previous", of.kind, from);
     } else if (!strcmp(word, "METHOD"))
         put_method(w, method, strlen(method));
     else if (!strcmp(word, "FIRST_METHOD"))
@@ -283,11 +324,10 @@ static void name_job(const struct plan *plan, struct product *product)
 {
     enum plan_kind kind = product->of.kind;
     int whole = kind == RESULT_GRAINS || kind == RESULT_PAGE || (kind >= RESULT_TABLE && plan->together);
-    long block = product->of.photo / plan->scene->photos.block;
     if (whole)
         strcpy(product->job, rows[kind].job);
     else
-        snprintf(product->job, sizeof product->job, "%s_%ld", rows[kind].job, block);
+        snprintf(product->job, sizeof product->job, "%s_%ld", rows[kind].job, block_of(plan, product->of.photo));
 }
 
 int plan_product(const struct plan *plan, size_t k, struct product *product)

@@ -28,7 +28,7 @@ enum plan_kind {
 /* A result without its commands: what a table of the state of a series needs. */
 struct plan_name {
     enum plan_kind kind;
-    long photo; /* 0 for the first photo of the series, 1 for the next; of the page and the table: 0 */
+    long photo; /* 0 for the first photo of the series that counts, 1 for the next; of the page and the table: 0 */
     char name[32];
 };
 
@@ -50,7 +50,10 @@ struct plan {
     char *part[PLAN_STAGES]; /* what a stage's results depend on besides files: its part of the scene, and for forces
                                 and report a line "METHOD START" */
     int together;            /* 1: forces of all photos in one run (method series) */
-    long photos;             /* >= 1 */
+    long photos;             /* >= 1: those that count (scene_photo_next()) */
+    long *number;            /* of each of them, ascending */
+    char *there;             /* of each of them: can its file be read? Photos that cannot have results that will fail;
+                                the others, series.csv and the page are made without them */
     size_t count;            /* results: 4 photos + 2, and series.csv where together */
 };
 
@@ -61,6 +64,8 @@ void plan_free(struct plan *plan);
 
 /* The k-th result, k < count, so ordered that each one comes after those that it is made from. */
 struct plan_name plan_name(const struct plan *plan, size_t k);
+/* Is it of one of these kinds (bits), and of a photo that is there? */
+int plan_is_made(const struct plan *plan, const struct plan_name *of, unsigned kinds);
 
 /* Everything about one result. */
 struct product {

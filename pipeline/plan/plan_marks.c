@@ -68,7 +68,7 @@ static int lacks_forces(const struct plan *plan)
     int lacking = 0;
     for (size_t k = 0; k < plan->count && !lacking; k++) {
         struct plan_name name = plan_name(plan, k);
-        lacking = name.kind == RESULT_FORCES && !plan_holds(plan, "", name.name);
+        lacking = plan_is_made(plan, &name, 1 << RESULT_FORCES) && !plan_holds(plan, "", name.name);
     }
     return lacking;
 }
@@ -153,7 +153,7 @@ static int keep(const struct plan *plan, const char *name, const char *text)
     return failed;
 }
 
-/* The names of the results of these kinds (bits), one a line. */
+/* The names of the results of these kinds (bits), of the photos that are there, one a line. */
 static int keep_list(const struct plan *plan, const char *name, unsigned kinds)
 {
     char *text = NULL;
@@ -161,7 +161,7 @@ static int keep_list(const struct plan *plan, const char *name, unsigned kinds)
     FILE *stream = open_memstream(&text, &size);
     for (size_t k = 0; stream && k < plan->count; k++) {
         struct plan_name of = plan_name(plan, k);
-        if (kinds >> of.kind & 1)
+        if (plan_is_made(plan, &of, kinds))
             fprintf(stream, "%s\n", of.name);
     }
     int failed = !stream || fclose(stream) ? error_memory("plan") : keep(plan, name, text);

@@ -78,8 +78,8 @@ static void print_table(const struct plan *plan, const unsigned char *words, FIL
     fprintf(stream, line, "photo", "grains", "tracks", "contacts", "forces", "picture");
     for (size_t k = 0; k < n; k++) {
         char photo[24];
-        int reference = photos->first + (long)k == photos->reference;
-        snprintf(photo, sizeof photo, "%04ld", photos->first + (long)k);
+        int reference = plan->number[k] == photos->reference;
+        snprintf(photo, sizeof photo, "%04ld", plan->number[k]);
         fprintf(stream, line, photo, reference ? cell(words, 0) : "", cell(words, 1 + k), cell(words, 1 + n + k),
                 cell(words, forces + k), cell(words, forces + n + k));
     }

@@ -6,63 +6,23 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pipeline/packing/loads.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/plan_marks.h"
 #include "pipeline/plan/plan_text.h"
+#include "pipeline/plan/scene_check.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/speak/error.h"
 
 /* ---- what a scene says ---- */
 
-static int check_file(const struct scene *scene, const char *path)
-{
-    if (path && access(path, R_OK))
-        return error_input("%s: names %s, which cannot be read: put it there", scene->path, path);
-    return 0;
-}
-
-/* The loads of all photos, looked at together. */
-static int check_loads(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    size_t count = (size_t)(photos->last - photos->first + 1);
-    int64_t *numbers = malloc(count * sizeof *numbers);
-    if (!numbers)
-        return error_memory("the numbers of the photos");
-    for (size_t k = 0; k < count; k++)
-        numbers[k] = photos->first + (int64_t)k;
-    int status = loads_check(scene->loads, numbers, count);
-    free(numbers);
-    return status;
-}
-
-/* What can be known before any photo is read: a long run shall not end at its last photo for a file that is not there.
- */
-static int check(const struct scene *scene)
-{
-    const struct scene_photos *photos = &scene->photos;
-    if (check_file(scene, scene->lens) || check_file(scene, scene->loads))
-        return -1;
-    if (scene->loads && photos->pattern && check_loads(scene))
-        return -1;
-    for (long index = photos->first; photos->pattern && index <= photos->last; index++) {
-        char *path = scene_photo_path(scene, index);
-        int status = path ? check_file(scene, path) : -1;
-        free(path);
-        if (status)
-            return -1;
-    }
-    return 0;
-}
-
 static int print_photos(const struct scene *scene)
 {
-    for (long index = scene->photos.first; index <= scene->photos.last; index++) {
-        char *path = scene_photo_path(scene, index);
+    const struct scene_photos *photos = &scene->photos;
+    for (long k = scene_photo_next(scene, photos->first - 1); k <= photos->last; k = scene_photo_next(scene, k)) {
+        char *path = scene_photo_path(scene, k);
         if (!path)
             return -1;
-        printf("%ld\t%s\n", index, path);
+        printf("%ld\t%s\n", k, path);
         free(path);
     }
     return 0;
@@ -147,7 +107,7 @@ int scene_run(enum scene_command command, const struct scene_words *words)
     struct scene scene;
     if (scene_read(words->scene, &scene))
         return -1;
-    int status = command == SCENE_CHECK    ? check(&scene)
+    int status = command == SCENE_CHECK    ? scene_check(&scene)
                  : command == SCENE_PHOTOS ? print_photos(&scene)
                  : command == SCENE_SERIES ? print_series(&scene)
                  : command == SCENE_PART   ? print_part(&scene, words->part)

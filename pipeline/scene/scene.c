@@ -58,6 +58,7 @@ void scene_free(struct scene *scene)
     free(scene->folder);
     free(scene->name);
     free(scene->photos.pattern);
+    free(scene->photos.skip);
     free(scene->lens);
     free(scene->drift_patches);
     free(scene->frame.markers);
@@ -92,6 +93,27 @@ long scene_photo_index(const struct scene *scene, const char *path)
 {
     long index = scene->photos.pattern ? pattern_index(scene->photos.pattern, path) : -1;
     return index >= scene->photos.first && index <= scene->photos.last ? index : -1;
+}
+
+int scene_photo_skipped(const struct scene *scene, int64_t index)
+{
+    size_t low = 0, high = scene->photos.skip_count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (scene->photos.skip[middle] < index)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < scene->photos.skip_count && scene->photos.skip[low] == index;
+}
+
+long scene_photo_next(const struct scene *scene, long index)
+{
+    do
+        index++;
+    while (index <= scene->photos.last && scene_photo_skipped(scene, index));
+    return index;
 }
 
 double scene_time(const struct scene *scene, long index)

@@ -22,6 +22,8 @@ struct scene_photos {
     int given;
     char *pattern; /* "photos/{index:04d}.tif", relative to the scene's folder */
     long first, last, reference;
+    long *skip; /* numbers of photos that are not there or are bad, ascending; never the reference */
+    size_t skip_count;
     double interval_s; /* NaN: not given */
     int width, height; /* 0: not given */
     enum photo_channel channel;
@@ -84,6 +86,10 @@ int scene_lacks(const struct scene *scene, const char *key, const char *why);
 char *scene_photo_path(const struct scene *scene, long index);
 /* Index of the photo whose base name matches the pattern; -1 when none does. */
 long scene_photo_index(const struct scene *scene, const char *path);
+/* The photos that count, those of photos.skip left out: the first one after `index`, which may be first - 1;
+ * last + 1 when there is none. */
+long scene_photo_next(const struct scene *scene, long index);
+int scene_photo_skipped(const struct scene *scene, int64_t index);
 /* Seconds since the first photo; NaN when the interval or the index is not known. */
 double scene_time(const struct scene *scene, long index);
 /* Size (px) and channel that the scene demands of its photos, for photo_read(). */

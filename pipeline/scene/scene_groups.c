@@ -157,10 +157,45 @@ static int read_channel(struct scene *scene, const cJSON *object)
     return there < 0 ? -1 : 0;
 }
 
+static int ascending(const void *left, const void *right)
+{
+    long a = *(const long *)left, b = *(const long *)right;
+    return (a > b) - (a < b);
+}
+
+static int read_skip(struct scene *scene, const cJSON *object)
+{
+    struct scene_photos *photos = &scene->photos;
+    const cJSON *list;
+    int there = json_array(scene->json, object, "skip", &list);
+    if (there <= 0)
+        return there;
+    photos->skip = calloc((size_t)cJSON_GetArraySize(list) + 1, sizeof *photos->skip);
+    if (!photos->skip)
+        return error_memory("scene");
+    for (const cJSON *item = list->child; item; item = item->next) {
+        double number = cJSON_IsNumber(item) ? item->valuedouble : -1;
+        if (!photos->pattern || number != floor(number) || number < (double)photos->first ||
+            number > (double)photos->last)
+            return json_error(scene->json, item,
+                              "'skip' names photos that the series does not have: give numbers from 'first' to 'last'");
+        if ((long)number == photos->reference)
+            return json_error(scene->json, item,
+                              "'skip' names the reference photo, which all others are compared with: give another "
+                              "'reference'");
+        photos->skip[photos->skip_count++] = (long)number;
+    }
+    qsort(photos->skip, photos->skip_count, sizeof *photos->skip, ascending);
+    for (size_t k = 1; k < photos->skip_count; k++)
+        if (photos->skip[k] == photos->skip[k - 1])
+            return json_error(scene->json, list, "'skip' names photo %ld twice: name it once", photos->skip[k]);
+    return 0;
+}
+
 int scene_read_photos(struct scene *scene)
 {
     static const char *const keys[] = {"pattern", "first",   "last",  "reference", "interval_s",
-                                       "size_px", "channel", "block", NULL};
+                                       "size_px", "channel", "block", "skip",      NULL};
     const struct json *json = scene->json;
     struct scene_photos *photos = &scene->photos;
     const cJSON *object;
@@ -172,7 +207,7 @@ int scene_read_photos(struct scene *scene)
         read_channel(scene, object) ||
         json_integer(json, object, "reference", photos->first, photos->last, &photos->reference) < 0 ||
         json_number(json, object, "interval_s", DBL_MIN, 1e9, &photos->interval_s) < 0 ||
-        json_integer(json, object, "block", 1, 1000000, &block) < 0)
+        json_integer(json, object, "block", 1, 1000000, &block) < 0 || read_skip(scene, object))
         return -1;
     photos->block = (int)block;
     photos->given = 1;

@@ -33,7 +33,10 @@ static void remove_members(cJSON *root, const char *stage)
         if (!is_seen(item->string, stage))
             cJSON_Delete(cJSON_DetachItemViaPointer(root, item));
     }
-    cJSON_DeleteItemFromObjectCaseSensitive(cJSON_GetObjectItemCaseSensitive(root, "photos"), "last");
+    cJSON *photos = cJSON_GetObjectItemCaseSensitive(root, "photos");
+    cJSON_DeleteItemFromObjectCaseSensitive(photos, "last");
+    if (!strcmp(stage, "findgrains"))
+        cJSON_DeleteItemFromObjectCaseSensitive(photos, "skip");
 }
 
 size_t scene_part_files(const struct scene *scene, const char *stage, const char *paths[2])

@@ -6,8 +6,8 @@
 
 /* JSON text without spaces, to be freed; NULL with an error. "findgrains" and "tracker" see the photos, the lens, the
  * drift patches, the frame, the grains' radii and their own section; every other stage sees all but the other
- * programs' sections. What only says how far the series goes (photos.last) is in no part, the name only in that of
- * "report". */
+ * programs' sections. What only says how far the series goes (photos.last) is in no part, photos.skip not in
+ * that of "findgrains", which sees one photo alone, the name only in that of "report". */
 char *scene_part(const struct scene *scene, const char *stage);
 
 /* The files that the stage reads because the scene names them: findgrains, tracker and contacts the lens, contacts the

@@ -83,7 +83,7 @@ static int run(struct options *options)
     if (!folder)
         result = error_memory("a path");
     if (result == 0) {
-        page.name = scene.name;
+        page.scene = &scene;
         folder[basename(folder) - folder] = '\0';
         page.folder = folder;
         result = write_page(options, &page, &series);

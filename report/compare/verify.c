@@ -9,6 +9,8 @@
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/state/state.h"
 #include "pipeline/speak/text.h"
+#include "pipeline/speak/version.h"
+#include "pipeline/files/input_file.h"
 #include "pipeline/files/sha256.h"
 #include "report/states/loaded.h"
 #include "pipeline/files/json.h"
@@ -175,13 +177,71 @@ static int report_wrong(struct verify *verify)
     return 0;
 }
 
+/* ---- pictures, tables, pages ---- */
+
+static int has_no_checksums(const char *path)
+{
+    static const char *const endings[] = {".png", ".csv", ".html"};
+    const char *ending = strrchr(basename(path), '.');
+    for (size_t k = 0; ending && k < sizeof endings / sizeof *endings; k++)
+        if (!strcmp(ending, endings[k]))
+            return 1;
+    return 0;
+}
+
+/* "SHA-256  NAME": the file itself, or a state that it was made from. */
+static int verify_sum(struct verify *verify, const char *path, char *line)
+{
+    char *name = line + 66;
+    if (strspn(line, "0123456789abcdef") != 64 || strncmp(line + 64, "  ", 2) || !is_file_name(name))
+        return not_readable(path);
+    if (strcmp(name, basename(path))) {
+        verify->count.inputs++;
+        line[64] = '\0';
+        return verify_input(verify, path, name, line);
+    }
+    const char *digest = digest_of(verify, path);
+    if (digest && strncmp(digest, line, 64))
+        complain(verify, path, "the file", "is not what its stage wrote: make it again");
+    return digest ? 0 : -1;
+}
+
+static int verify_sums(struct verify *verify, const char *path)
+{
+    char *sums = NULL, *line = NULL;
+    size_t room = 0;
+    const char *name = basename(path);
+    int result = 0, own = 0;
+    if (asprintf(&sums, "%.*s.sums/%s", (int)(name - path), path, name) < 0)
+        return error_memory("a path");
+    FILE *file = access(sums, F_OK) ? NULL : input_file_open(sums, INPUT_FILE_TEXT);
+    for (ssize_t got; file && !result && (got = getline(&line, &room, file)) > 0;) {
+        line[got - (line[got - 1] == '\n')] = '\0';
+        own |= got > 66 && !strcmp(line + 66, name);
+        result = verify_sum(verify, path, line);
+    }
+    if (file)
+        fclose(file);
+    if (!result && !own)
+        result = error_input("%s: its SHA-256 was not recorded: make it again", path);
+    free(line);
+    free(sums);
+    return result;
+}
+
+/* ---- all files ---- */
+
 static int verify_file(struct verify *verify, const char *path)
 {
     struct loaded loaded;
     verify->count.files++;
+    if (has_no_checksums(path))
+        return verify_sums(verify, path) ? report_wrong(verify) : 0;
     if (loaded_read(path, &loaded))
         return report_wrong(verify);
-    int result = verify_inputs(verify, path, loaded_info(&loaded));
+    const struct state_info *info = loaded_info(&loaded);
+    verify->count.of_others += strcmp(info->program_version, film_version) != 0;
+    int result = verify_inputs(verify, path, info);
     loaded_free(&loaded);
     return result ? report_wrong(verify) : 0;
 }

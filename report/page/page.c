@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/packing_file.h"
 #include "report/pictures/force_map.h"
@@ -27,6 +28,7 @@ static const char head[] =
     "th{vertical-align:bottom;background:#f6f6f4}th.left,td.left{text-align:left}\n"
     "summary{font-size:.85rem;color:#555;cursor:pointer}"
     ".warn{background:#fdf0e3;border-left:.4rem solid #d55e00;padding:.5rem 1rem}\n"
+    ".void{background:#fbe9e7;border-left:.4rem solid #b00020;color:#7f0017;padding:.5rem 1rem}\n"
     ".good{background:#e9f5f0;border-left:.4rem solid #009e73;padding:.5rem 1rem}\n"
     ".off{color:#b34a00;font-weight:600}.small{font-size:.8rem;color:#555}\n"
     ".charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:1rem}\n"
@@ -131,13 +133,13 @@ int page_write(const struct page *page, const struct series *series, struct html
 {
     fputs(head, html->stream);
     fputs("<title>", html->stream);
-    html_text(html, page->name);
+    html_text(html, page->scene->name);
     fputs("</title></head><body>\n<h1>", html->stream);
-    html_text(html, page->name);
+    html_text(html, page->scene->name);
     fputs("</h1>\n<p class=\"small\">", html->stream);
     html_format(html, "%zu states. Written by: %s.", series->count, series->versions);
     fputs("</p>\n", html->stream);
-    if (page_warnings(series, html))
+    if (page_warnings(page->scene, series, html))
         return -1;
     if (page->truth_folder && page_truth(page, series, html))
         return -1;

@@ -6,13 +6,14 @@
 #include "report/page/html.h"
 #include "report/states/state_series.h"
 
+struct scene;
 #define PAGE_MAPS 6
 
 struct page {
-    const char *name;         /* of the scene */
-    const char *truth_folder; /* with NAME.truth.hdf and NAME.photo-truth.hdf; NULL: no truth */
-    int maps;                 /* pictures at most, spread over the series */
-    const char *folder;       /* where the page will lie, with a slash at its end; "": here; NULL: no links to files */
+    const struct scene *scene; /* its name, and the photos that it skips */
+    const char *truth_folder;  /* with NAME.truth.hdf and NAME.photo-truth.hdf; NULL: no truth */
+    int maps;                  /* pictures at most, spread over the series */
+    const char *folder;        /* where the page will lie, with a slash at its end; "": here; NULL: no links to files */
 };
 
 /* The whole page into `html`, which the caller began and will end. 0, or -1 with a line: a file of the series or of the
@@ -23,7 +24,7 @@ int page_write(const struct page *page, const struct series *series, struct html
  * return 0, or -1 like page_write().
  *
  * What is wrong or doubtful, first of all; a green line when nothing is. */
-int page_warnings(const struct series *series, struct html *html);
+int page_warnings(const struct scene *scene, const struct series *series, struct html *html);
 /* Virtual tests: circles, motions and forces against the truth in page->truth_folder, photo by photo and state by
  * state, and the errors of the last state's forces. */
 int page_truth(const struct page *page, const struct series *series, struct html *html);

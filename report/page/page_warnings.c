@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/packing/limits.h"
 #include "pipeline/speak/error.h"
 #include "report/page/page.h"
@@ -165,15 +166,46 @@ static void warn_scale(struct warnings *warnings, const struct series *series)
                1, " times");
 }
 
-static void warn_gaps(struct warnings *warnings, const struct series *series)
+/* All in one line, those behind the first few as a number. */
+static void warn_skipped(struct warnings *warnings, const struct scene *scene)
+{
+    enum { NAMED = 8 };
+    const struct scene_photos *photos = &scene->photos;
+    char text[300] = "";
+    size_t length = 0, count = photos->skip_count;
+    for (size_t k = 0; k < count && k < NAMED; k++)
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%04ld", k ? ", " : "", photos->skip[k]);
+    if (count > NAMED)
+        length += (size_t)snprintf(text + length, sizeof text - length, " and %zu more", count - NAMED);
+    snprintf(text + length, sizeof text - length,
+             " %s skipped (photos.skip): increments of the photo behind a gap span all of it",
+             count == 1 ? "is" : "are");
+    char line[320];
+    snprintf(line, sizeof line, "photo%s %s", count == 1 ? "" : "s", text);
+    if (count)
+        warn(warnings, line);
+}
+
+/* What lies between two rows and is not skipped. */
+static void warn_gaps(struct warnings *warnings, const struct scene *scene, const struct series *series)
 {
     char text[300];
     for (size_t k = 1; k < series->count; k++) {
         int64_t before = series->rows[k - 1].index, now = series->rows[k].index;
-        if (before < 0 || now <= before + 1)
+        if (before < 0)
             continue;
-        snprintf(text, sizeof text, "photos %lld to %lld are missing in the series", (long long)before + 1,
-                 (long long)now - 1);
+        int64_t first = before + 1, last = now - 1;
+        while (first <= last && scene_photo_skipped(scene, first))
+            first++;
+        while (first <= last && scene_photo_skipped(scene, last))
+            last--;
+        if (first > last)
+            continue;
+        if (first == last)
+            snprintf(text, sizeof text, "photo %04lld is missing in the series", (long long)first);
+        else
+            snprintf(text, sizeof text, "photos %04lld to %04lld are missing in the series", (long long)first,
+                     (long long)last);
         warn(warnings, text);
     }
 }
@@ -224,10 +256,33 @@ static int warn_copies(struct warnings *warnings, const struct series *series)
     return 0;
 }
 
-int page_warnings(const struct series *series, struct html *html)
+/* Forces that are not to be used come before everything else, each state by its name. */
+static void warn_void(const struct series *series, struct html *html)
+{
+    int count = 0;
+    for (size_t k = 0; k < series->count; k++) {
+        const struct packing_summary *packing = &series->rows[k].packing;
+        for (size_t f = 0; f < packing->force_count; f++) {
+            const struct force_summary *forces = &packing->forces[f];
+            if (forces->verdict != VERDICT_VOID)
+                continue;
+            if (count++ == 0)
+                fputs("<h2>Not to be used</h2>\n<div class=\"void\"><ul>\n", html->stream);
+            fputs("<li>NOT IN EQUILIBRIUM: ", html->stream);
+            html_format(html, "%s, %.*s: %s", series->rows[k].name, NAME_LENGTH, forces->method, forces->reasons);
+            fputs("</li>\n", html->stream);
+        }
+    }
+    if (count)
+        fputs("</ul></div>\n", html->stream);
+}
+
+int page_warnings(const struct scene *scene, const struct series *series, struct html *html)
 {
     struct warnings warnings = {html, 0};
-    warn_gaps(&warnings, series);
+    warn_void(series, html);
+    warn_skipped(&warnings, scene);
+    warn_gaps(&warnings, scene, series);
     warn_order(&warnings, series);
     int status = warn_copies(&warnings, series);
     warn_photos(&warnings, series, 0);

@@ -1,6 +1,7 @@
 /* The legend of a force map: what state this is, how wide which force, which colour means what, how long is what. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "pipeline/packing/structure.h"
 #include "pipeline/draw/axis.h"
@@ -94,6 +95,18 @@ static void legend_bar(const struct force_map *map, struct canvas *canvas, doubl
     legend_scale(canvas, right, y + 22 * u, pixels, 4 * u, 26 * u, 15 * u, text);
 }
 
+/* A picture of forces that are void must not pass for a result, wherever it is copied to. */
+static void legend_void(const struct force_map *map, struct canvas *canvas, double u)
+{
+    char text[200];
+    const char *reasons = map->forces->reasons;
+    snprintf(text, sizeof text, "%.*s", (int)strcspn(reasons, ";:"), reasons); /* the first one, without its remedy */
+    pen_rectangle(canvas, &(struct pen){.colour = COLOUR_VERMILLION}, 0, 0, map->width, 58 * u);
+    words_within(canvas, 12 * u, 24 * u, 976 * u, 20 * u, 1,
+                 "NOT IN EQUILIBRIUM: these are not the forces of this packing");
+    words_within(canvas, 12 * u, 48 * u, 976 * u, 17 * u, 0, text);
+}
+
 void force_map_legend(const struct force_map *map, struct canvas *canvas)
 {
     double u = map->width / 1000, top = map->view_height + 12 * u;
@@ -104,4 +117,6 @@ void force_map_legend(const struct force_map *map, struct canvas *canvas)
         legend_widths(map, canvas, 385 * u, top, u);
     legend_key(map, canvas, 622 * u, top, u);
     legend_bar(map, canvas, 975 * u, top, u);
+    if (map->forces && map->forces->verdict == VERDICT_VOID)
+        legend_void(map, canvas, u);
 }

@@ -70,6 +70,8 @@ static struct force_summary summarise_forces(const struct packing *packing, cons
     memcpy(summary.method, forces->method, NAME_LENGTH);
     memcpy(summary.start, forces->start, NAME_LENGTH);
     summary.imbalance = forces->imbalance;
+    summary.verdict = forces->verdict;
+    memcpy(summary.reasons, forces->reasons, sizeof summary.reasons);
     summary.data_misfit = forces->data_misfit;
     summary.overlaps_over_loads = stress_overlaps_over_loads(packing, forces->kn);
     for (size_t c = 0; c < contact->count; c++)

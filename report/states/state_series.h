@@ -24,6 +24,8 @@ struct force_summary {
     double data_misfit;                  /* 0: the method has none */
     double overlaps_over_loads;          /* stress.h; NaN: not known */
     double weber[2][2];
+    enum verdict verdict; /* packing/verdict.h; unknown in files that say none */
+    char reasons[1000];
 };
 
 /* What contacts or forces wrote about one state. */

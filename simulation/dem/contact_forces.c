@@ -2,9 +2,10 @@
  * whether one thread scatters them or several gather them: the sums have the same bits. */
 #include "simulation/dem/dem.h"
 
-/* How far the friction springs move, and whether dashpots act. */
+/* What an evaluation of the forces stands for. */
 struct instant {
-    double dt, dashpots;
+    double dt;       /* s: the friction springs move by the relative velocity times this */
+    double dashpots; /* 1: they act; 0: the static forces */
 };
 
 static int is_wall(const struct dem *dem, const struct dem_pair *pair)
@@ -72,7 +73,12 @@ static void pair_velocity(const struct dem *dem, const struct dem_pair *pair, st
     *ut = -vx * n.y + vy * n.x - turning;
 }
 
-/* Spring, dashpot, friction after the step to the geometry `to`; what friction and dashpot take goes to *lost. */
+/* Spring, dashpot, friction after the step to the geometry `to`; what friction and dashpot take goes to *lost.
+ *
+ * Normal: fn = max(0, F(x) - c un), c = 2 z (k m)^1/2 with the reduced mass m and the share z of critical damping; a
+ * contact never pulls. Tangential: a spring of stiffness kt moves by ut dt and is cut at mu fn. Sliding gives back what
+ * the trial force had too much: the spring's end moves by (trial - cut) / kt against the mean of the force before and
+ * after, which is the work of friction (trapezoidal rule). */
 static void pair_force(const struct dem *dem, struct dem_pair *pair, size_t p, struct geometry to, double mu,
                        struct instant now, double *lost)
 {
@@ -120,6 +126,7 @@ static int pair_update(struct dem *dem, size_t p, struct instant now, double *lo
     return 0;
 }
 
+/* Force on j: fn n + ft t, t = n turned by +90 degrees. */
 static struct vec pair_vector(const struct dem_pair *pair)
 {
     return vec(pair->fn * pair->nx - pair->spring.ft * pair->ny, pair->fn * pair->ny + pair->spring.ft * pair->nx);
@@ -191,6 +198,7 @@ static void scatter(struct dem *dem, struct instant now)
     }
 }
 
+/* Pairs in which k comes second are older in the list than those in which it comes first: the order of scatter(). */
 static void gather_grain(struct dem *dem, size_t k)
 {
     struct dem_grain *g = &dem->grains[k];
@@ -208,6 +216,8 @@ static void gather_grain(struct dem *dem, size_t k)
             act(g, &dem->pairs[p], pair_vector(&dem->pairs[p]), -1);
 }
 
+/* Two sweeps: each pair is brought up to date by the thread of its first grain, then each grain adds up its own. What
+ * walls feel is added by one thread, in the order of the list. */
 static void gather(struct dem *dem, struct instant now)
 {
 #pragma omp parallel
@@ -228,6 +238,7 @@ static void gather(struct dem *dem, struct instant now)
             act_on_wall(dem, &dem->pairs[p], pair_vector(&dem->pairs[p]));
 }
 
+/* N/m: what the time step must resolve. */
 static double stiffest_contact(const struct dem *dem)
 {
     if (contact_law_row(&dem->law)->linear)

@@ -1,3 +1,8 @@
+/* The packing as such: its memory, where the walls of its box stand, its energy.
+ *
+ * The box maps the unit square by x = W a + g H b, y = H b. Its sides are the lines of that parallelogram; the normal
+ * of the tilted ones is (1, -g) / (1 + g^2)^1/2. With the rates W', H', g' a point of a side wall at the height y above
+ * its foot moves with the foot and by g' y along x; the top moves by (g' H + g H', H'). */
 #include "simulation/dem/dem.h"
 
 #include <math.h>

@@ -1,3 +1,9 @@
+/* Motion in true time. Leapfrog: velocities stand at half steps, v(t + dt/2) = v(t - dt/2) + dt F(t) / m, positions at
+ * whole ones: second order, and stable below dt = 2 / (highest frequency). A drag d relative to the motion u of the box
+ * is taken implicitly, v <- u + (v + dt F/m - u) / (1 + d dt), so that it never overshoots.
+ *
+ * The freedoms q of the box move under the generalised force Q = dW/dq of the grains and of the servo: m' q'' = Q. The
+ * shear is an angle: its mass is m' H^2. */
 #include "simulation/dem/dem_motion.h"
 
 #include <math.h>
@@ -35,6 +41,8 @@ static double wall_mass(const struct dem *dem)
     return free ? mass / sqrt((double)free) : 1;
 }
 
+/* Walls under a stress are accelerated, within the servo's fastest rate; the others have the rate that they are given.
+ */
 static void box_step(struct dem *dem, const struct servo *servo, double dt)
 {
     struct dem_box *box = &dem->box;

@@ -1,3 +1,7 @@
+/* The course of a test. Rates follow from the inertial number I = rate (m / p)^1/2 (m the mean mass, p the pressure in
+ * the plane, N/m): at I = 1e-3 and below a packing is quasi-static. Time steps are a share of (m / k)^1/2 of the
+ * lightest grain at the stiffness that a contact may have, shortened where a contact is stiffer. Each step ends in a
+ * relaxation to static equilibrium, so that the saved states do not depend on rate and drag but through the path. */
 #include "simulation/dem/loading.h"
 
 #include <math.h>
@@ -8,6 +12,7 @@
 const char *const LOADING_TEST_NAMES[TESTS + 1] = {"isotropic",    "biaxial_vertical", "biaxial_horizontal",
                                                    "simple_shear", "oedometer",        "cyclic"};
 
+/* kg. */
 static double mean_mass(const struct dem *dem)
 {
     double mass = 0;
@@ -16,6 +21,7 @@ static double mean_mass(const struct dem *dem)
     return mass;
 }
 
+/* m: of the largest or the smallest grain. */
 static double extreme_radius(const struct dem *dem, int largest)
 {
     double radius = dem->grains[0].radius;
@@ -36,6 +42,8 @@ static double expected_force(const struct loading *loading)
     return force;
 }
 
+/* Scales of the problem: forces, stiffness, time. Discs that only loads and gravity press have the pressure 0: their
+ * time unit is infinite, and nothing that goes by a rate is done to them. */
 static int loading_prepare(struct loading *loading)
 {
     const struct simulation *simulation = loading->simulation;
@@ -97,6 +105,8 @@ static int step(struct loading *loading, struct stepping *stepping)
     return dem_step(dem, &loading->servo, stepping);
 }
 
+/* Come together under the pressure of a servo whose rate is limited: slowly enough for the inertial number once there
+ * is force, faster before. Done when both walls have carried the pressure for 200 steps on end. */
 static int compress(struct loading *loading)
 {
     static const double LOOSE = 0.75, HASTE = 20; /* no force yet below this solid fraction: come faster */
@@ -205,6 +215,7 @@ static double stress_duration(const struct loading *loading, double change)
     return fabs(change) * fmax(2 / (kappa * loading->simulation->inertial), 10) * loading->time_unit;
 }
 
+/* Setters of ramp(): the stress by `amount` more, not below what keeps the packing together; */
 static void set_isotropic(struct loading *loading, double amount, double share)
 {
     struct servo *servo = &loading->servo;
@@ -213,6 +224,7 @@ static void set_isotropic(struct loading *loading, double amount, double share)
     servo->stress_y = fmax(servo->stress_y + amount, SIMULATION_STRESS_MIN * loading->pressure);
 }
 
+/* likewise, of the top wall alone; */
 static void set_vertical(struct loading *loading, double amount, double share)
 {
     double kept = loading->servo.stress_x;
@@ -228,6 +240,7 @@ static int stress_step(struct loading *loading, double change, void (*set)(struc
     return loading_relax(loading);
 }
 
+/* and the sine p (1 + A sin 2 pi c) of the cycles c so far. */
 static void set_swing(struct loading *loading, double cycles, double share)
 {
     const double two_pi = 6.283185307179586;

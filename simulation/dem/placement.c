@@ -1,3 +1,6 @@
+/* First positions. A grading is shuffled onto a grid of cells slightly wider than the largest disc, each disc anywhere
+ * in its cell: a loose packing without contacts and without order, the same for the same seed on every machine. The
+ * compression makes a packing of it. Discs by hand stand where they are told, within what a relaxation can mend. */
 #include "simulation/dem/placement.h"
 
 #include <math.h>
@@ -7,11 +10,13 @@
 
 enum { KEY_SHUFFLE = 1, KEY_JITTER = 2 };
 
+/* Streams of random numbers that do not depend on each other. */
 static uint64_t key_of(const struct simulation *simulation, uint64_t purpose)
 {
     return random_bits(simulation->seed, purpose);
 }
 
+/* A rod of length L seen from its end: m = rho pi R^2 L, I = m R^2 / 2. */
 static void grain_give(struct dem_grain *grain, double radius, const struct simulation *simulation)
 {
     grain->radius = radius;

@@ -1,3 +1,5 @@
+/* The states of a test in order: state 0 after the compression, from which motions and strains count, then one after
+ * each step. A state that does not come to rest is saved too, and says so. */
 #include "simulation/dem/simulate.h"
 
 #include <math.h>
@@ -17,6 +19,7 @@ struct run {
     long unrelaxed; /* states that did not come to rest */
 };
 
+/* Nominal strains, compression positive, and the change of the shear. */
 static void strain_since(const struct dem_box *then, const struct dem_box *now, double strain[3])
 {
     strain[0] = 1 - now->size[BOX_WIDTH] / then->size[BOX_WIDTH];

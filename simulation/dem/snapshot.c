@@ -1,3 +1,7 @@
+/* From the simulation's lists to the tables of a packing. Everything that a stage later works out again (motions,
+ * residuals, stress) is computed here from the tables or by the formulas of docs/theory.md section 1, so that the truth
+ * of a simulated state obeys the same definitions. Rows of contacts are the touching pairs in the order of the list:
+ * grains by (i, j), then walls by (i, side). */
 #include "simulation/dem/snapshot.h"
 
 #include <stdlib.h>
@@ -37,6 +41,7 @@ void snapshot_free(struct snapshot *snapshot)
     memset(snapshot, 0, sizeof *snapshot);
 }
 
+/* Load columns only where something is loaded: gravity counts as a load. */
 static int write_grains(const struct dem *dem, struct grains *grains)
 {
     static const char *const columns[] = {"x", "y", "radius", "angle", "mass", "inertia", "flags", NULL};
@@ -202,6 +207,8 @@ static const struct dem_pair *old_pair(const struct dem *dem, const struct dem_p
     return NULL;
 }
 
+/* One pass over the list: un, ut of each touching pair since the old state. A pair that did not touch then has no
+ * motion: its row stays as it is (NaN where it was just made), and is flagged new where flags are given. */
 static void write_motion(const struct dem *dem, const struct snapshot *then, double *un, double *ut, uint32_t *flags)
 {
     size_t row = 0, from = 0;

@@ -1,3 +1,6 @@
+/* Stresses here are N/m; the tables of a packing hold Pa where the rods have a length, hence the factor. kappa is the
+ * mean normal stiffness of the contacts over the mean stress: a packing at kappa gives way by about 1 / kappa of a
+ * diameter at its contacts. */
 #include "simulation/dem/summary.h"
 
 #include "pipeline/packing/stress.h"

@@ -256,7 +256,7 @@ static void the_program_lists_its_commands(void **state)
     }
     command_fails(2, "there is no such command", "report pages");
     command_fails(2, "which command?", "report");
-    command_fails(2, "give the state files to verify", "report verify --scene s.json");
+    command_fails(2, "give the files to verify", "report verify --scene s.json");
     command_fails(3, "missing.json", "report verify --scene missing.json truth.hdf");
 }
 

@@ -121,6 +121,10 @@ static int work(struct options *options)
         return error_memory("a table");
     if (!strcmp(options->work, "count"))
         count_to(200);
+    if (!strcmp(options->work, "doubt"))
+        return cli_doubt("%d contacts: give a radius", 0);
+    if (!strcmp(options->work, "summary"))
+        cli_summary(&options->cli, "%d grains,\n%.2f px", 7, 0.5);
     if (!strcmp(options->work, "log"))
         log_event("step", "third", 1.0 / 3, "missing", NAN, NULL);
     return !strcmp(options->work, "flag") ? cli_flagged(&options->cli, 6, 100, "grains are flagged") : 0;

@@ -287,6 +287,25 @@ static void many_flags_are_4(void **state)
     assert_string_equal(err, "");
 }
 
+static void a_summary_is_one_line_unless_quiet(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--work summary"), 0);
+    assert_string_equal(err, "speaker: 7 grains,?0.50 px\n");
+    assert_string_equal(out, "");
+    assert_int_equal(run(good, "--work summary --quiet"), 0);
+    assert_string_equal(err, "");
+    assert_string_equal(out, "");
+}
+
+/* A warning is not for people only: --quiet does not silence it. */
+static void a_doubt_is_4_and_never_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(run(good, "--work doubt --quiet"), 4);
+    assert_string_equal(err, "speaker: 0 contacts: give a radius\n");
+}
+
 static void the_log_is_json(void **state)
 {
     (void)state;
@@ -328,6 +347,8 @@ int main(void)
         cmocka_unit_test(a_wrong_command_line_is_2),
         cmocka_unit_test(a_failure_is_one_line),
         cmocka_unit_test(many_flags_are_4),
+        cmocka_unit_test(a_summary_is_one_line_unless_quiet),
+        cmocka_unit_test(a_doubt_is_4_and_never_silent),
         cmocka_unit_test(the_log_is_json),
         cmocka_unit_test(the_bar_needs_a_terminal),
         cmocka_unit_test(odd_words_are_shown_plainly),

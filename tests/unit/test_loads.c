@@ -178,8 +178,9 @@ static void a_wall_that_is_not_there(void **state)
 static void check_refused_of_all(const char *text, const char *words)
 {
     static const int64_t photos[] = {3, 4, 6};
+    struct loads_press press;
     write_text(text);
-    assert_int_equal(loads_check(name, photos, 3), -1);
+    assert_int_equal(loads_check(name, photos, 3, &press), -1);
     assert_int_equal(error_status(), EXIT_INPUT);
     if (!strstr(error_message(), words))
         fail_msg("'%s' does not say '%s'", error_message(), words);
@@ -189,9 +190,19 @@ static void check_refused_of_all(const char *text, const char *words)
 static void all_photos_of_a_series(void **state)
 {
     static const int64_t photos[] = {3, 4, 6};
+    struct loads_press press;
     (void)state;
     write_text("index,wall,fx_N,fy_N\n6,top,0,-3\n3,top,0,-1\n4,top,0,-2\n5,top,0,9\n5,top,0,9\n");
-    check_done(loads_check(name, photos, 3));
+    check_done(loads_check(name, photos, 3, &press));
+    check_near(press.most, 3, 1e-12);
+    assert_false(press.per_area);
+    write_text("index,corner,fx_N,fy_N\n3,top-left,2,-2\n3,top-right,-2,-2\n3,bottom-left,2,2\n");
+    check_done(loads_check(name, photos, 1, &press));
+    check_near(press.most, 2, 1e-12);
+    write_text("index,sxx_Pa,syy_Pa,sxy_Pa\n3,100,200,\n4,,500,\n");
+    check_done(loads_check(name, photos, 2, &press));
+    check_near(press.most, 500, 1e-12);
+    assert_true(press.per_area);
     check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n6,top,0,-3\n", "no row for photo 4");
     check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n4,top,0,-2\n6,top,0,-3\n4,left,1,\n4,top,0,-2\n",
                          ":6: photo 4 has this load twice");
@@ -201,6 +212,7 @@ static void all_photos_of_a_series(void **state)
 static void loads_that_pull(void **state)
 {
     static const int64_t photos[] = {3, 4, 6};
+    struct loads_press press;
     (void)state;
     check_refused_of_all("index,wall,fx_N,fy_N\n3,top,0,-1\n4,top,0,2\n4,right,1,\n6,top,0,-3\n",
                          "photo 4: the loads pull outwards");
@@ -208,8 +220,8 @@ static void loads_that_pull(void **state)
     check_refused_of_all("index,corner,fx_N,fy_N\n3,top-left,-1,1\n3,top-right,1,1\n3,bottom-left,-1,-1\n",
                          "photo 3: the loads pull");
     write_text("index,wall,fx_N,fy_N\n3,top,0,0.5\n4,top,0,-50\n6,top,,-100\n");
-    check_done(loads_check(name, photos, 3));
-    check_done(loads_check(name, photos, 1));
+    check_done(loads_check(name, photos, 3, &press));
+    check_done(loads_check(name, photos, 1, &press));
 }
 
 static int remove_file(void **state)

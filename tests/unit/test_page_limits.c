@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "pipeline/scene/scene.h"
 #include "report/page/page.h"
 
 /* One state of one method: everything as it should be. */
@@ -34,9 +35,10 @@ static void make(struct state_of_one *one)
 /* 1 when the page warns with these words; it may not warn of anything else. */
 static int warns(struct state_of_one *one, const char *words)
 {
+    const struct scene scene = {0};
     struct html html;
     check_done(html_begin(&html));
-    check_done(page_warnings(&one->series, &html));
+    check_done(page_warnings(&scene, &one->series, &html));
     check_done(html_end(&html));
     int found = strstr(html.text, words) != NULL, any = strstr(html.text, "<h2>Warnings</h2>") != NULL;
     assert_int_equal(found, any);

@@ -9,6 +9,7 @@
 
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/plan_marks.h"
+#include "pipeline/plan/scene_check.h"
 #include "pipeline/plan/shell_word.h"
 #include "pipeline/speak/error.h"
 #include "tests/check.h"
@@ -50,6 +51,11 @@ static int make_files(void **state)
     }
     touch(FOLDER "/lens.json", 0);
     touch(FOLDER "/loads.csv", 0);
+    for (int k = 8; k < 13; k++) {
+        char path[100];
+        snprintf(path, sizeof path, FOLDER "/%d.tif", k);
+        touch(path, 0);
+    }
     return 0;
 }
 
@@ -58,18 +64,26 @@ struct given {
     struct plan plan;
 };
 
-/* A series of `photos` photos, numbers from 8 on, the reference is the second, two in a block; `more`: further keys. */
-static int try_plan(struct given *given, long photos, const char *more, const char *method, const char *start)
+/* A series of `photos` photos, numbers from 8 on, the reference is the second; `more`: further keys, `of_photos`: those
+ * of the photos. */
+static int try_plan_of(struct given *given, long photos, const char *more, const char *method, const char *start,
+                       const char *of_photos)
 {
     char text[1000];
     snprintf(text, sizeof text,
              "{\"schema\": \"film.scene/1\", \"name\": \"plan\", \"lens\": \"lens.json\", \"loads\": \"loads.csv\",%s\n"
-             "\"photos\": {\"pattern\": \"{index}.tif\", \"first\": 8, \"last\": %ld, \"reference\": 9, \"block\": 2}}",
-             more, 7 + photos);
+             "\"photos\": {\"pattern\": \"{index}.tif\", \"first\": 8, \"last\": %ld, \"reference\": 9%s}}",
+             more, 7 + photos, of_photos);
     write_text(FOLDER "/scene.json", text);
     check_done(scene_read(FOLDER "/scene.json", &given->scene));
     const struct plan_words words = {OUT, method, start, FOLDER "/bin", "/run it", 0};
     return plan_make(&given->plan, &given->scene, &words);
+}
+
+/* Two photos in a block. */
+static int try_plan(struct given *given, long photos, const char *more, const char *method, const char *start)
+{
+    return try_plan_of(given, photos, more, method, start, ", \"block\": 2");
 }
 
 static void end(struct given *given)
@@ -150,6 +164,53 @@ static void check_order(const struct plan *plan)
     }
 }
 
+/* What comes behind a gap goes on from the last photo there is, in tracks only inside the block. */
+static void check_gap(const struct plan *plan, int skipped)
+{
+    assert_int_equal(plan->count, 4 * (skipped ? 5 : 6) + 2);
+    check_product(plan, "0011.tracks.hdf", "tracks_0", "0009.grains.hdf 0009.tracks.hdf", 3, "/11.tif");
+    check_product(plan, "0012.tracks.hdf", "tracks_1", "0009.grains.hdf", 3, "/12.tif");
+    check_product(plan, "0011.contacts.hdf", "contacts_0", "0009.contacts.hdf 0011.tracks.hdf", 2,
+                  " --previous 0009.contacts.hdf 0011.tracks.hdf");
+    check_product(plan, "0011.forces.hdf", "forces_0", "0009.forces.hdf 0011.contacts.hdf", 0,
+                  " --previous 0009.forces.hdf 0011.contacts.hdf");
+    check_product(plan, "0013.forces.hdf", "forces_1", "0012.forces.hdf 0013.contacts.hdf", 0,
+                  " --previous 0012.forces.hdf 0013.contacts.hdf");
+    struct product page;
+    find(plan, "report.html", &page);
+    assert_null(strstr(page.needs, "0010."));
+    assert_non_null(strstr(page.needs, "0011.forces.hdf"));
+    product_free(&page);
+    check_order(plan);
+}
+
+/* Photo 10 is skipped, or is not there: then its own results alone are to fail. */
+static void test_gap(void **state)
+{
+    (void)state;
+    struct given given;
+    char list[100] = "";
+    touch(FOLDER "/13.tif", 0);
+    for (int skipped = 0; skipped < 2; skipped++) {
+        remove(FOLDER "/10.tif");
+        check_done(
+            try_plan_of(&given, 6, "", "map", "", skipped ? ", \"block\": 4, \"skip\": [10]" : ", \"block\": 4"));
+        check_gap(&given.plan, skipped);
+        if (!skipped)
+            check_product(&given.plan, "0010.tracks.hdf", "tracks_0", "0009.grains.hdf 0009.tracks.hdf", 3, "/10.tif");
+        check_done(plan_begin(&given.plan));
+        FILE *file = fopen(OUT "/" PLAN_CONTACTS_LIST, "r");
+        assert_true(file && fread(list, 1, sizeof list, file) == 5 * 18);
+        fclose(file);
+        assert_null(memmem(list, 5 * 18, "0010", 4));
+        end(&given);
+    }
+    touch(FOLDER "/10.tif", 0);
+    check_done(try_plan_of(&given, 6, "", "map", "", ", \"block\": 4, \"skip\": [10]"));
+    check_gap(&given.plan, 1); /* a bad photo that lies there is left out as well */
+    end(&given);
+}
+
 static void test_together(void **state)
 {
     (void)state;
@@ -200,6 +261,46 @@ static void test_limits(void **state)
     end(&given);
     assert_int_equal(try_plan(&given, 10001, "", "series", ""), -1);
     scene_free(&given.scene);
+}
+
+/* What scene_check() gives for walls of 0.2 m, 1000 px of 2e-4 m, pushed with `force` N. */
+static int check_of(double force, const char *more, double kn, double scale)
+{
+    struct given given;
+    char keys[500], loads[200];
+    snprintf(loads, sizeof loads, "index,wall,fx_N,fy_N\n8,top,0,%g\n9,top,0,%g\n10,top,0,0\n", -force, -force / 2);
+    write_text(FOLDER "/loads.csv", loads);
+    snprintf(keys, sizeof keys,
+             "\"frame\": {\"corners_px\": [[0, 0], [1000, 0], [1000, 1000], [0, 1000]]}, \"scale_m_per_px\": %g, %s "
+             "\"contact\": {\"law\": \"linear\", \"kn_N_per_m\": %g},",
+             scale, more, kn);
+    check_done(try_plan(&given, 3, keys, "", ""));
+    error_clear();
+    int status = scene_check(&given.scene) ? error_status() : 0;
+    end(&given);
+    return status;
+}
+
+/* Overlap of a radius: 2 F / (L kn). In pixels with a radius r: r times as much, without one a tenth of the frame. */
+static void test_overlaps(void **state)
+{
+    (void)state;
+    const char *radius = "\"grains\": {\"radius_px\": [5, 15]},";
+    assert_int_equal(check_of(0.99e4, radius, 1e6, 2e-4), 0);
+    assert_int_equal(check_of(1.01e4, radius, 1e6, 2e-4), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "of a radius, where 0.1 is too much: put loads right first"));
+    assert_int_equal(check_of(1e3, "", 1e4, 2e-4), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "put contact.kn_N_per_m right first"));
+    assert_int_equal(check_of(1e3, "", 1e6, 2e-7), EXIT_INPUT);
+    assert_non_null(strstr(error_message(), "put scale_m_per_px right first"));
+    assert_int_equal(check_of(10.1, radius, 1e6, 2e-4), 0);
+    assert_int_equal(check_of(9.9, radius, 1e6, 2e-4), EXIT_FLAGGED);
+    assert_non_null(strstr(error_message(), "overlaps of 0.00099 px, which no photo shows: look at loads first"));
+    assert_int_equal(check_of(1.01, "", 1e6, 2e-4), 0);
+    assert_int_equal(check_of(0.99, "", 1e6, 2e-4), EXIT_FLAGGED);
+    assert_int_equal(check_of(1e3, "", 1e12, 2e-4), EXIT_FLAGGED);
+    assert_non_null(strstr(error_message(), "look at contact.kn_N_per_m first"));
+    touch(FOLDER "/loads.csv", 0);
 }
 
 /* bash reads the word that was quoted, for every byte and for some that would be commands. */
@@ -268,11 +369,6 @@ static void test_changed(void **state)
 {
     (void)state;
     struct given given;
-    for (int k = 8; k < 11; k++) {
-        char path[100];
-        snprintf(path, sizeof path, FOLDER "/%d.tif", k);
-        touch(path, 0);
-    }
     check_done(try_plan(&given, 3, "", "map", ""));
     const struct plan *plan = &given.plan;
     assert_int_equal(any_changed(plan), 0); /* nothing is there, so nothing is older than it should be */
@@ -352,7 +448,8 @@ static void test_no_links(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_products), cmocka_unit_test(test_together),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_overlaps), cmocka_unit_test(test_products),
+                                       cmocka_unit_test(test_gap),      cmocka_unit_test(test_together),
                                        cmocka_unit_test(test_start),    cmocka_unit_test(test_limits),
                                        cmocka_unit_test(test_quote),    cmocka_unit_test(test_changed),
                                        cmocka_unit_test(test_parts),    cmocka_unit_test(test_no_links)};

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/speak/error.h"
 #include "report/compare/budget.h"
 #include "pipeline/draw/canvas.h"
@@ -770,7 +771,8 @@ static void test_page(void **unused)
     char *paths[] = {path};
     struct series series;
     struct html html;
-    struct page page = {.name = "a <b> & c", .maps = 1};
+    struct scene scene = {.name = "a <b> & c"};
+    struct page page = {.scene = &scene, .maps = 1};
     check_done(series_read(paths, 1, &series));
     check_done(html_begin(&html));
     check_done(page_write(&page, &series, &html));
@@ -802,7 +804,8 @@ static void test_page_links(void **unused)
     char *paths[] = {path};
     struct series series;
     struct html html;
-    struct page page = {.name = "names", .maps = 1, .folder = beside};
+    struct scene scene = {.name = "names"};
+    struct page page = {.scene = &scene, .maps = 1, .folder = beside};
     check_done(series_read(paths, 1, &series));
     check_done(html_begin(&html));
     check_done(page_write(&page, &series, &html)); /* the picture's title holds the name, which is no UTF-8 */
@@ -829,9 +832,10 @@ static void test_page_order(void **unused)
                                     {"0001.tracks.hdf", "0000.tif", "a1"},
                                     {"0002.tracks.hdf", "0002.tif", "b7"}};
     struct series series = {.rows = rows, .count = 4, .inputs = inputs, .input_count = 4};
+    const struct scene scene = {0};
     struct html html;
     check_done(html_begin(&html));
-    check_done(page_warnings(&series, &html));
+    check_done(page_warnings(&scene, &series, &html));
     check_done(html_end(&html));
     assert_non_null(strstr(html.text, "photo 0002 was taken at 2018:05:17 13:59:59, before photo 0000"));
     assert_null(strstr(html.text, "photo 0003 was"));
@@ -840,9 +844,40 @@ static void test_page_order(void **unused)
     html_free(&html);
 }
 
+/* What is skipped is named first, once, and is no gap; what is missing without a word is one. */
+static void test_gaps_are_named(void **unused)
+{
+    (void)unused;
+    struct series_row rows[] = {{.name = "0001", .index = 1},
+                                {.name = "0003", .index = 3},
+                                {.name = "0007", .index = 7},
+                                {.name = "0009", .index = 9}};
+    struct series series = {.rows = rows, .count = 4};
+    long skip[] = {2, 4, 10};
+    struct scene scene = {.photos = {.first = 1, .last = 10, .skip = skip, .skip_count = 1}};
+    struct html html;
+    for (size_t count = 1; count <= 3; count += 2) {
+        scene.photos.skip_count = count;
+        check_done(html_begin(&html));
+        check_done(page_warnings(&scene, &series, &html));
+        check_done(html_end(&html));
+        const char *first = strstr(html.text, "<li>");
+        assert_non_null(first);
+        const char *expected = count == 1 ? "<li>photo 0002 is skipped (photos.skip)"
+                                          : "<li>photos 0002, 0004, 0010 are skipped (photos.skip)";
+        assert_int_equal(strncmp(first, expected, strlen(expected)), 0);
+        assert_null(strstr(first + strlen("<li>photos 0002"), "0002"));
+        assert_non_null(
+            strstr(first, count == 1 ? "photos 0004 to 0006 are missing" : "photos 0005 to 0006 are missing"));
+        assert_non_null(strstr(first, "photo 0008 is missing"));
+        html_free(&html);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_gaps_are_named),
         cmocka_unit_test(test_match_shuffled),
         cmocka_unit_test(test_match_edges),
         cmocka_unit_test(test_match_absurd_places),

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "pipeline/scene/scene.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/draw/canvas.h"
 #include "pipeline/packing/packing_file.h"
@@ -182,7 +183,8 @@ static void test_page_maps(void **unused)
     char path[STATES][64], *paths[STATES];
     struct series series;
     struct html html;
-    struct page page = {.name = "row", .maps = STATES};
+    struct scene scene = {.name = "row"};
+    struct page page = {.scene = &scene, .maps = STATES};
     write_states(path);
     for (int k = 0; k < STATES; k++)
         paths[k] = path[k];

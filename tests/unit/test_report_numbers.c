@@ -126,7 +126,8 @@ static char *page_of(double across, double along)
     char paths[2][256], *list[2] = {paths[0], paths[1]};
     struct series series;
     struct html html;
-    struct page page = {.name = "two states", .maps = 0, .folder = NULL};
+    struct scene scene = {.name = "two states"};
+    struct page page = {.scene = &scene, .maps = 0, .folder = NULL};
     for (int k = 0; k < 2; k++) {
         struct packing p;
         struct provenance provenance = PROVENANCE_DEFAULT;
@@ -285,6 +286,7 @@ static char *warnings_of(double xx, double yy)
     char name[] = "0000";
     struct series_row row = {.name = name, .packing.force_count = 1};
     struct series series = {.rows = &row, .count = 1};
+    const struct scene scene = {0};
     struct force_summary *forces = &row.packing.forces[0];
     struct html html;
     strcpy(forces->method, "qsm");
@@ -292,7 +294,7 @@ static char *warnings_of(double xx, double yy)
     forces->weber[0][0] = 2e4 * (1 + xx), forces->weber[1][1] = 5e4 * (1 + yy);
     forces->overlaps_over_loads = NAN;
     check_done(html_begin(&html));
-    check_done(page_warnings(&series, &html));
+    check_done(page_warnings(&scene, &series, &html));
     check_done(html_end(&html));
     return html.text;
 }

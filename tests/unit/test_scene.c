@@ -12,6 +12,7 @@
 #include "pipeline/files/pattern.h"
 #include "pipeline/scene/scene.h"
 #include "pipeline/files/json.h"
+#include "pipeline/scene/scene_part.h"
 
 static char folder[] = "test_scene_XXXXXX";
 static char file_name[64];
@@ -172,6 +173,37 @@ static void refuses_mistakes_in_the_root(void **state)
     check_refused("\"loads/cycle 1.csv\"", "\"\"", "an empty path");
     check_refused("\"lens.json\"", "\"a\\nb\"", "a control character");
     check_refused("\"lens.json\"", "7", "'lens' must be text");
+}
+
+/* The photos that count, in ascending order whatever the order of the list. */
+static void photos_may_be_skipped(void **state)
+{
+    (void)state;
+    struct scene scene;
+    check_done(read_text("{\"schema\": \"film.scene/1\", \"name\": \"x\", \"photos\": {\"pattern\": \"{index}.tif\", "
+                         "\"first\": 3, \"last\": 9, \"reference\": 5, \"skip\": [9, 3, 7, 6]}}",
+                         &scene));
+    const long expected[] = {4, 5, 8, 10};
+    long index = scene.photos.first - 1;
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(index = scene_photo_next(&scene, index), expected[k]);
+    assert_true(scene_photo_skipped(&scene, 3) && scene_photo_skipped(&scene, 9) && !scene_photo_skipped(&scene, 5));
+    char *before = scene_part(&scene, "findgrains"), *tracks = scene_part(&scene, "tracker");
+    assert_null(strstr(before, "skip"));
+    assert_non_null(strstr(tracks, "skip")); /* the photo behind a gap starts from another one */
+    free(before);
+    free(tracks);
+    scene_free(&scene);
+    check_done(read_text("{\"schema\": \"film.scene/1\", \"name\": \"x\"}", &scene));
+    assert_false(scene_photo_skipped(&scene, 0));
+    scene_free(&scene);
+    check_refused("\"block\": 7", "\"skip\": [3, 13]", "'skip' names photos that the series does not have");
+    check_refused("\"block\": 7", "\"skip\": [-1]", "'skip' names photos that the series does not have");
+    check_refused("\"block\": 7", "\"skip\": [2.5]", "'skip' names photos that the series does not have");
+    check_refused("\"block\": 7", "\"skip\": [\"3\"]", "'skip' names photos that the series does not have");
+    check_refused("\"block\": 7", "\"skip\": 3", "'skip' must be");
+    check_refused("\"block\": 7", "\"skip\": [4, 2, 4]", "'skip' names photo 4 twice");
+    check_refused("\"block\": 7", "\"skip\": [1]", "'skip' names the reference photo");
 }
 
 static void refuses_mistakes_in_photos(void **state)
@@ -361,11 +393,17 @@ static void outside_where_allowed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_the_whole_example),      cmocka_unit_test(what_is_left_out_is_not_modelled),
-        cmocka_unit_test(refuses_mistakes_in_the_root), cmocka_unit_test(refuses_mistakes_in_photos),
-        cmocka_unit_test(refuses_mistakes_in_groups),   cmocka_unit_test(patterns),
-        cmocka_unit_test(photos_of_a_series),           cmocka_unit_test(pixels_become_metres),
-        cmocka_unit_test(a_scene_without_a_folder),     cmocka_unit_test(links_lead_nowhere_else),
+        cmocka_unit_test(reads_the_whole_example),
+        cmocka_unit_test(what_is_left_out_is_not_modelled),
+        cmocka_unit_test(refuses_mistakes_in_the_root),
+        cmocka_unit_test(photos_may_be_skipped),
+        cmocka_unit_test(refuses_mistakes_in_photos),
+        cmocka_unit_test(refuses_mistakes_in_groups),
+        cmocka_unit_test(patterns),
+        cmocka_unit_test(photos_of_a_series),
+        cmocka_unit_test(pixels_become_metres),
+        cmocka_unit_test(a_scene_without_a_folder),
+        cmocka_unit_test(links_lead_nowhere_else),
         cmocka_unit_test(outside_where_allowed),
     };
     return cmocka_run_group_tests_name("scene", tests, make_folder, remove_folder);
