@@ -7,6 +7,7 @@
 
 #include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 /* An ending that cannot be drawn is told at once, not after the contacts were found. */
 static int parse_picture(const char *text, void *member)

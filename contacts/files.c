@@ -8,6 +8,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/state/freshness.h"
 #include "pipeline/packing/packing_file.h"
+#include "pipeline/files/json.h"
 
 int photo_state_read(const char *path, struct photo_state *state)
 {

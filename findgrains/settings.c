@@ -3,6 +3,7 @@
 #include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/lens.h"
+#include "pipeline/files/json.h"
 
 #include <math.h>
 #include <string.h>

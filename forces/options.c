@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 int method_list_parse(const char *text, struct method_list *list)
 {

@@ -1,5 +1,8 @@
 # find_package(film): the libraries of the stages as film::pipeline (files, scenes, photos, stress), film::findgrains,
 # film::tracker, film::contacts, film::forces, film::simulation, film::calibration, film::report.
+# Their public headers, at most 20, are those of packaging/public_headers.txt (CONTRIBUTING.md, "Public headers"): data
+# and files by pipeline/, and one call of each stage that takes the scene instead of options: grains_in_photo(),
+# track_photo(), contacts_in_photo(), forces_in_packing(). Everything else may change without notice.
 # C and C++ must be enabled: film::findgrains holds the C++ of OpenCV.
 include(CMakeFindDependencyMacro)
 find_dependency(OpenMP COMPONENTS C)

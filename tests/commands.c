@@ -1,4 +1,5 @@
 #include "tests/commands.h"
+#include "pipeline/files/json.h"
 
 #include <ftw.h>
 #include <math.h>

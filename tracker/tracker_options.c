@@ -4,6 +4,7 @@
 
 #include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 #define AT(field) .at = offsetof(struct tracker_options, field)
 static const struct option_row rows[] = {{NULL, "subset", OPTION_NUMBER, AT(subset), .min = 0.1, .max = 1},

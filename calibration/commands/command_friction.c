@@ -11,6 +11,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/packing_file.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

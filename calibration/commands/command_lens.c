@@ -9,6 +9,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/draw/canvas.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

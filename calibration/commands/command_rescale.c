@@ -12,6 +12,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
 #include "pipeline/packing/packing_file.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

@@ -10,6 +10,7 @@
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/lens.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

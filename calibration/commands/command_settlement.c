@@ -15,6 +15,7 @@
 #include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/simulate_scene.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

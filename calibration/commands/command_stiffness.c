@@ -14,6 +14,7 @@
 #include "pipeline/draw/chart.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/files/json.h"
 
 struct options {
     struct cli cli;

@@ -9,6 +9,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/new_file.h"
+#include "pipeline/files/json.h"
 
 /* NaN becomes null: JSON has no NaN. */
 static int add(cJSON *object, const char *key, double value)

@@ -12,6 +12,7 @@
 #include "pipeline/command/cli_inputs.h"
 #include "pipeline/files/number.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 int option_is_row(const struct option_row *row)
 {

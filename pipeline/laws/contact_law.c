@@ -1,5 +1,6 @@
 /* The list of the laws, and how a scene's "contact" becomes one of them. */
 #include "pipeline/laws/contact_law.h"
+#include "pipeline/files/json.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -11,7 +11,8 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "pipeline/files/json.h"
+struct cJSON; /* JSON of the scene: pipeline/files/json.h */
+struct json;
 
 /* What Coulomb says of a contact; the column `status` of /forces/METHOD. */
 enum contact_status { STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2, STATUS_NOT_USED = 3 };
@@ -94,8 +95,9 @@ void contact_law_set_grains(struct contact_law *law, double young, double poisso
 
 /* The scene's "contact" object: law, mu, mu_wall, and the keys of the law's row. On an error (EXIT_INPUT, with line
  * and column) *law is as it was. contact_law_read_as takes the row from the caller: a law that is not in the list. */
-int contact_law_read(const struct json *json, const cJSON *object, struct contact_law *law);
-int contact_law_read_as(const struct law *row, const struct json *json, const cJSON *object, struct contact_law *law);
+int contact_law_read(const struct json *json, const struct cJSON *object, struct contact_law *law);
+int contact_law_read_as(const struct law *row, const struct json *json, const struct cJSON *object,
+                        struct contact_law *law);
 
 /* Nearest point of the Coulomb wedge fn >= 0, |ft| <= mu fn along ft (vertical projection; tensile: both zero).
  * A missing number makes both NaN and the status STATUS_NOT_USED. Returns the enum contact_status. */

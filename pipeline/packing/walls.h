@@ -54,7 +54,7 @@ double wall_load(const struct walls *walls, size_t w);
  * loaded, which could drift away together, left and bottom bear what is needed for the balance. */
 int wall_moves(const struct walls *walls, size_t w);
 
-/* Row of the wall of that name, or -1. */
+/* Row of the wall of that name ("bottom", "bottom-left"), or -1 without an error. */
 long walls_find(const struct walls *walls, const char *name);
 /* Area of the polygon between the lines of the four segments, m2; NaN without all four. */
 double walls_area(const struct walls *walls);

@@ -13,6 +13,7 @@
 #include "pipeline/plan/shell_word.h"
 #include "pipeline/scene/scene_part.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 /* make keeps some 10 kB per photo. Together, the names of all contacts are words of one command: at 19 bytes each,
  * 10,000 of them are far below the 2 MB that Linux lets it have. */

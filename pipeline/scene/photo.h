@@ -26,13 +26,18 @@ void photo_limit_pixels(size_t most);
 
 /* Read page 1 of a TIFF: 8- or 16-bit grey (MinIsBlack or MinIsWhite, the latter inverted) or RGB as requested; strips
  * or tiles; none, LZW or Deflate with or without predictor; both byte orders; BigTIFF. Everything else, more than one
- * page, a short strip: an error before the pixels are allocated where the header tells, status EXIT_INPUT. */
+ * page, a short strip: an error before the pixels are allocated where the header tells, status EXIT_INPUT. 0, or -1
+ * with a line and nothing to be freed; else photo_free(). */
 int photo_read(const char *path, const struct photo_request *request, struct photo *photo);
-/* 16-bit grey TIFF, Deflate with horizontal predictor, atomically (temporary, fsync, rename); byte-identical reruns. */
+/* 16-bit grey TIFF, Deflate with horizontal predictor, atomically (temporary, fsync, rename); byte-identical reruns.
+ * 0, or -1 with a line (EXIT_FAILED): the file cannot be written. */
 int photo_write(const char *path, const struct photo *photo);
+/* A 16-bit photo whose pixels are not set yet, to be freed by photo_free(). 0, or -1 with a line: a size below 1 or
+ * above PHOTO_MAX_PIXELS (EXIT_INPUT), out of memory. */
 int photo_alloc(struct photo *photo, int width, int height);
 void photo_free(struct photo *photo); /* accepts a zeroed struct */
 
+/* The pixels of row y, 0 <= y < height; borrowed. */
 static inline const uint16_t *photo_row(const struct photo *photo, int y)
 {
     return photo->pixels + (size_t)y * (size_t)photo->width;

@@ -8,6 +8,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
+#include "pipeline/files/json.h"
 
 static int outside_allowed;
 

@@ -9,8 +9,10 @@
 
 #include "pipeline/laws/contact_law.h"
 #include "pipeline/numbers/geometry.h"
-#include "pipeline/files/json.h"
 #include "pipeline/scene/photo.h"
+
+struct cJSON; /* of pipeline/files/json.h */
+struct json;
 
 struct rect {
     double x0, y0, x1, y1; /* px */
@@ -69,15 +71,18 @@ struct scene {
  * refused (EXIT_INPUT), so that a scene from somebody else reads nothing of yours. After scene_allow_outside()
  * (--allow-outside) this process takes them. */
 void scene_allow_outside(void);
-int scene_outside_allowed(void);
+int scene_outside_allowed(void); /* 1 after that, else 0 */
+/* Read and check a whole scene: every key, its type and range. 0, or -1 with file, line and column (EXIT_INPUT), or out
+ * of memory; then nothing is to be freed. */
 int scene_read(const char *path, struct scene *scene);
 void scene_free(struct scene *scene); /* accepts a zeroed struct */
 
-/* The scene's section of that name, or NULL when it is left out. */
-const cJSON *scene_section(const struct scene *scene, const char *name);
+/* The scene's section of that name, borrowed, or NULL when it is left out. */
+const struct cJSON *scene_section(const struct scene *scene, const char *name);
 /* Error (status EXIT_INPUT) that names the missing key and the stage that needs it. */
 int scene_lacks(const struct scene *scene, const char *key, const char *why);
-/* Path of photo `index`, joined to the scene's folder; to be freed. */
+/* Path of photo `index`, joined to the scene's folder; to be freed by free(). NULL with a line: no pattern, or out of
+ * memory. */
 char *scene_photo_path(const struct scene *scene, long index);
 /* Index of the photo whose base name matches the pattern; -1 when none does. */
 long scene_photo_index(const struct scene *scene, const char *path);
@@ -87,6 +92,7 @@ long scene_photo_next(const struct scene *scene, long index);
 int scene_photo_skipped(const struct scene *scene, int64_t index);
 /* Seconds since the first photo; NaN when the interval or the index is not known. */
 double scene_time(const struct scene *scene, long index);
+/* Size (px) and channel that the scene demands of its photos, for photo_read(). */
 struct photo_request scene_photo_request(const struct scene *scene);
 
 /* The one place where pixels become metres: x = scale (x_px - origin_x), y = -scale (y_px - origin_y). */

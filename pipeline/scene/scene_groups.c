@@ -12,6 +12,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
+#include "pipeline/files/json.h"
 
 /* px per side of a photo; the largest index of a photo, which nine digits write. */
 enum { MAX_SIDE_PX = 1000000, MAX_INDEX = 999999999 };

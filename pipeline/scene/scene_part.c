@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 /* tests/unit/test_directions holds that the stages on the photo side touch nothing else of the scene. */
 static const char *const photo_side[] = {"photos", "lens", "drift_patches_px", "frame", "grains", NULL};

@@ -5,6 +5,7 @@
 
 #include "pipeline/scene/scene_groups.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/files/json.h"
 
 /* Sections whose keys belong to their programs. */
 static const char *const sections[] = {"findgrains", "tracker", "contacts", "forces", "simulation", "optics", NULL};

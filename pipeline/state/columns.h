@@ -40,13 +40,13 @@ struct table_kind {
 size_t column_size(enum column_type type); /* bytes of one element */
 
 /* Allocate the named columns (NULL-terminated list; NULL: all) with `rows` rows. Doubles start as NaN, the rest 0.
- * A zeroed struct is an empty table. On failure the table is left empty. */
+ * A zeroed struct is an empty table. 0, or -1 with a line (out of memory): the table is left empty. */
 int table_alloc(const struct table_kind *kind, void *table, size_t rows, const char *const names[]);
-/* Add one column to a table that lacks it (no effect when it is there). */
+/* Add one column to a table that lacks it (no effect when it is there). 0, or -1 with a line. */
 int table_add(const struct table_kind *kind, void *table, const char *name);
 /* Free every column and empty the table; accepts a zeroed struct. */
 void table_free(const struct table_kind *kind, void *table);
-/* Deep copy of every column that `from` has into the empty table `to`. */
+/* Deep copy of every column that `from` has into the empty table `to`. 0, or -1 with a line: out of memory. */
 int table_copy(const struct table_kind *kind, void *to, const void *from);
 size_t table_rows(const struct table_kind *kind, const void *table);
 /* The address of a column's array pointer. */

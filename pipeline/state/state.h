@@ -4,6 +4,8 @@
 #ifndef PIPELINE_STATE_H
 #define PIPELINE_STATE_H
 
+#include <math.h>
+
 #include "pipeline/state/columns.h"
 
 struct scene;
@@ -45,12 +47,14 @@ struct state_info {
     double time_s, strain[3], length_m;
     char taken[20];
 };
-void state_info_free(struct state_info *info);
+void state_info_free(struct state_info *info); /* accepts a zeroed struct */
 /* Error (EXIT_INPUT) when both indices are known and `previous` is not before `now`. */
 int state_check_order(const char *previous_path, const struct state_info *previous, const struct state_info *now);
 
-/* ---- writing ---- */
+/* ---- writing ----
+ * -1 or NULL with a line: the disk, memory (EXIT_FAILED), an input of the provenance that cannot be read. */
 struct state_writer;
+/* Begin a file with its provenance; state_commit() or state_discard() ends it and frees the writer. */
 struct state_writer *state_create(const char *path, const struct provenance *provenance);
 /* Write the columns that the table has into group (parents are made: "forces/qsm"). */
 int state_write(struct state_writer *writer, const char *group, const struct table_kind *kind, const void *table);
@@ -60,10 +64,13 @@ int state_write_numbers(struct state_writer *writer, const char *group, const ch
 int state_commit(struct state_writer *writer);   /* close, fsync, rename; frees the writer whatever happens */
 void state_discard(struct state_writer *writer); /* remove the temporary file; NULL is fine */
 
-/* ---- reading ---- */
+/* ---- reading ----
+ * -1 or NULL with a line that names the file: missing, damaged, of another kind (EXIT_INPUT), or out of memory. Tables
+ * are to be freed by table_free(). */
 struct state;
 struct state *state_open(const char *path); /* refuses other schemas, newer major versions, external links */
 void state_close(struct state *state);      /* NULL is fine */
+/* Into *info, to be freed by state_info_free(). */
 int state_read_info(const struct state *state, struct state_info *info);
 int state_has(const struct state *state, const char *group); /* 1, 0, or -1: damaged */
 /* Read every known column that the group has; a column in `required` (NULL-terminated; NULL: none) that is missing,

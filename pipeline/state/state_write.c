@@ -15,6 +15,7 @@
 #include "pipeline/speak/text.h"
 #include "pipeline/files/read_record.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/files/json.h"
 
 enum { CHUNK_ROWS = 65536 };
 

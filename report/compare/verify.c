@@ -16,6 +16,7 @@
 #include "pipeline/files/input_file.h"
 #include "pipeline/files/sha256.h"
 #include "report/states/loaded.h"
+#include "pipeline/files/json.h"
 
 /* Photos and tracks are inputs of many files: each is read once. */
 struct known {

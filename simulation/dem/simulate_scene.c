@@ -10,6 +10,7 @@
 #include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/loading.h"
+#include "pipeline/files/json.h"
 
 enum { MAX_GRAINS = 10000000, MAX_DISCS = 20000, MAX_STATES = 1000000 };
 

@@ -7,6 +7,7 @@
 #include "pipeline/command/option_table.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
+#include "pipeline/files/json.h"
 
 /* [low, high] in that order, both within [min, max]. */
 static int read_range(const struct json *json, const cJSON *object, const char *key, double min, double max,

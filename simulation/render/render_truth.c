@@ -9,6 +9,7 @@
 
 #include "pipeline/speak/error.h"
 #include "pipeline/numbers/random.h"
+#include "pipeline/files/json.h"
 
 /* ---- the picture ---- */
 

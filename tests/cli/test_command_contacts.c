@@ -9,6 +9,7 @@
 
 #include "pipeline/packing/packing_file.h"
 #include "tests/pressed_rods.h"
+#include "pipeline/files/json.h"
 
 /* ---- stiffness ---- */
 

@@ -1,6 +1,7 @@
 /* `calibration hertz` and `calibration laws` from outside: closed forms forwards and back, searches on a small packing
  * whose answer must scale with its stresses, spheres by a stand-in for LAMMPS that answers by a formula. */
 #include "tests/commands.h"
+#include "pipeline/files/json.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #include "pipeline/speak/version.h"
 #include "tests/commands.h"
 #include "tests/dots.h"
+#include "pipeline/files/json.h"
 
 #include <complex.h>
 #include <stdio.h>

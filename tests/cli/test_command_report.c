@@ -2,6 +2,7 @@
  * construction: what they print and what they write. */
 #include "tests/commands.h"
 #include "tests/lattice.h"
+#include "pipeline/files/json.h"
 
 #include <stdio.h>
 

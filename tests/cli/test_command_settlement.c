@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "pipeline/packing/packing_file.h"
+#include "pipeline/files/json.h"
 
 /* ---- tracked ---- */
 

@@ -7,6 +7,7 @@
 #include "pipeline/laws/contact_spring.h"
 #include "pipeline/speak/error.h"
 #include "pipeline/packing/forces.h"
+#include "pipeline/files/json.h"
 
 static const struct contact_law law = {.row = &linear_law, .kn = 1000, .kt_over_kn = 0.5, .mu = 0.4};
 

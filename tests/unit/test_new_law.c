@@ -9,6 +9,7 @@
 #include "forces/network/elastic.h"
 #include "pipeline/speak/error.h"
 #include "simulation/dem/dem_motion.h"
+#include "pipeline/files/json.h"
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 static struct contact_pair square_pair(const struct contact_law *law, double reduced_radius)

@@ -24,6 +24,7 @@
 #include "report/compare/match.h"
 #include "report/page/page.h"
 #include "report/pictures/photo_map.h"
+#include "pipeline/files/json.h"
 
 /* ---- matching ---- */
 

@@ -11,6 +11,7 @@
 #include "pipeline/speak/error.h"
 #include "pipeline/files/pattern.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/files/json.h"
 #include "pipeline/scene/scene_part.h"
 
 static char folder[] = "test_scene_XXXXXX";
