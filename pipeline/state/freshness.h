@@ -3,6 +3,7 @@
 #ifndef PIPELINE_FRESHNESS_H
 #define PIPELINE_FRESHNESS_H
 
+#include "pipeline/files/json.h"
 #include "pipeline/scene/scene.h"
 #include "pipeline/state/state.h"
 
