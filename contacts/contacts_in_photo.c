@@ -19,7 +19,7 @@ static int build(const struct contact_input *input, const struct contact_options
     packing->info.index = input->index;
     packing->info.time_s = scene_time(scene, (long)input->index);
     free(packing->info.parameters);
-    packing->info.parameters = contact_options_text(options, &summary);
+    packing->info.parameters = contact_options_text(options, &summary, scene);
     return packing->info.parameters ? 0 : -1;
 }
 

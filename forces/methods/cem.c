@@ -51,7 +51,7 @@ static void advance(const struct problem *problem, size_t c, int old, double *f)
     ft = isfinite(ft) ? ft : 0;
     struct contact_pair pair = elastic_pair(packing, &options->law, row);
     contact_pair_advance(&options->law, &pair, network->contact[c].mu, known_n && (known_t || old) ? dun : 0,
-                    known_n && known_t ? dut : 0, &fn, &ft);
+                         known_n && known_t ? dut : 0, &fn, &ft);
     if (old && !known_n)
         fn = ft = NAN;
     else if (old && !known_t && fn > 0)

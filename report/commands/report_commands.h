@@ -1,5 +1,5 @@
-/* The commands of report, each in a file of its name: options, read, call, write, free. Each parses its own command line
- * (argv[0]: its name) and returns the exit status. A new one is a file, a line here and a row in report/main.c. */
+/* The commands of report, each in a file of its name: options, read, call, write, free. Each parses its own command
+ * line (argv[0]: its name) and returns the exit status. A new one is a file, a line here and a row in report/main.c. */
 #ifndef REPORT_COMMANDS_H
 #define REPORT_COMMANDS_H
 
