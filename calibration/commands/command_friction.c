@@ -111,7 +111,7 @@ static int run_forces(const struct options *options)
 {
     double *fn = NULL, *ft = NULL, mu = NAN;
     size_t count = 0;
-    struct mobilised mobilised;
+    struct mobilised mobilised = {0};
     int status = 0;
     for (size_t k = 0; k < options->cli.inputs.count && !status; k++)
         status = collect(options->cli.inputs.paths[k], options->method, &fn, &ft, &count, &mu);
