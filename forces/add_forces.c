@@ -13,7 +13,6 @@
 #include "forces/questions/walk.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/state/freshness.h"
 #include "pipeline/packing/stress.h"
 #include "pipeline/packing/packing_check.h"
 #include "pipeline/packing/packing_file.h"
@@ -105,8 +104,7 @@ int add_forces(const struct force_request *request, struct force_outcome *outcom
     options.previous = request->previous ? &previous : NULL;
     options.from = request->from ? &from : NULL;
     *outcome = (struct force_outcome){.overlaps_over_loads = NAN};
-    int status = packing_read(request->input, &packing) ||
-                 freshness_check(request->input, &packing.info, request->scene) ||
+    int status = packing_read(request->input, &packing) || check_fresh(request->input, &packing, request->scene) ||
                  read_state_with_forces(request->previous, &previous) ||
                  (request->previous && (state_check_order(request->previous, &previous.info, &packing.info) ||
                                         packing_check_previous(request->previous, &previous, &packing))) ||

@@ -13,7 +13,6 @@
 #include "forces/series/series_options.h"
 #include "pipeline/command/cli.h"
 #include "pipeline/speak/error.h"
-#include "pipeline/state/freshness.h"
 #include "pipeline/files/new_file.h"
 #include "pipeline/packing/packing_file.h"
 
@@ -79,7 +78,7 @@ static int read_members(const struct series_request *request, struct member *mem
 {
     for (size_t k = 0; k < request->count; k++) {
         if (packing_read(request->inputs[k], &members[k].packing) ||
-            freshness_check(request->inputs[k], &members[k].packing.info, request->scene))
+            check_fresh(request->inputs[k], &members[k].packing, request->scene))
             return -1;
     }
     qsort(members, request->count, sizeof *members, compare_members);

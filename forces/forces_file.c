@@ -6,8 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline/packing/loads.h"
 #include "pipeline/packing/packing_file.h"
 #include "pipeline/speak/error.h"
+#include "pipeline/state/freshness.h"
 
 /* "map: balanced, up to 2e-07 <fn> left, stress 726/1144 kPa": of the first few. */
 static void add_words(struct verdict_seen *seen, const struct packing *packing, const struct forces *forces)
@@ -32,6 +34,16 @@ void verdict_note(struct verdict_seen *seen, const char *input, const struct pac
     seen->input = input;
     snprintf(seen->method, sizeof seen->method, "%s", forces->method);
     snprintf(seen->reasons, sizeof seen->reasons, "%s", forces->reasons);
+}
+
+int check_fresh(const char *path, const struct packing *packing, const struct scene *scene)
+{
+    const struct state_info *info = &packing->info;
+    if (freshness_check(path, info, scene))
+        return -1;
+    if (strcmp(info->stage, "contacts") || !scene->loads || !packing->walls.count)
+        return 0;
+    return loads_check_same(scene->loads, info->index, packing->length_m, &packing->walls, path);
 }
 
 int forces_take_in(struct packing *packing, struct forces *forces)

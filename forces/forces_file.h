@@ -16,6 +16,10 @@ struct verdict_seen {
 void verdict_note(struct verdict_seen *seen, const char *input, const struct packing *packing,
                   const struct forces *forces);
 
+/* Was the packing of that file made with the scene as it says now (state/freshness.h), and with its loads? 0, or -1
+ * with an error that names the key. */
+int check_fresh(const char *path, const struct packing *packing, const struct scene *scene);
+
 /* Takes the forces over (`forces` is empty afterwards); an old result of the same method gives way. */
 int forces_take_in(struct packing *packing, struct forces *forces);
 /* Writes N.forces.hdf: the packing with all its forces, how they came about (JSON), and the files they came from. The

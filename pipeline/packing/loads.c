@@ -397,3 +397,27 @@ int loads_apply(const char *path, int64_t index, double length_m, struct walls *
     free(table.rows);
     return status ? -1 : 0;
 }
+
+static int is_other(double a, double b)
+{
+    return isnan(a) != isnan(b) || (!isnan(a) && a != b);
+}
+
+int loads_check_same(const char *path, int64_t index, double length_m, const struct walls *walls, const char *file)
+{
+    struct walls now = {0};
+    int status =
+        table_copy(&WALLS, &now, walls) || table_add(&WALLS, &now, "fx") || table_add(&WALLS, &now, "fy") ? -1 : 0;
+    for (size_t w = 0; w < now.count && !status; w++)
+        now.fx[w] = now.fy[w] = NAN;
+    if (!status)
+        status = loads_apply(path, index, length_m, &now);
+    for (size_t w = 0; w < now.count && !status; w++)
+        if (is_other(now.fx[w], walls->fx ? walls->fx[w] : NAN) || is_other(now.fy[w], walls->fy ? walls->fy[w] : NAN))
+            status =
+                error_input("%s: was made with other loads on the %.*s wall than %s gives now ('loads'): run contacts "
+                            "again",
+                            file, NAME_LENGTH, walls->name[w], path);
+    table_free(&WALLS, &now);
+    return status;
+}

@@ -21,5 +21,7 @@ struct loads_press {
 /* Can the file be read, and does it say of each of these photos (in ascending order) what loads_apply() needs? The same
  * errors; walls are not looked at. */
 int loads_check(const char *path, const int64_t *photos, size_t count, struct loads_press *press);
+/* Refuse (-1, naming `file`) walls that hold other loads than the table gives to this photo now. */
+int loads_check_same(const char *path, int64_t index, double length_m, const struct walls *walls, const char *file);
 
 #endif

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "pipeline/files/json.h"
-#include "pipeline/files/read_record.h"
 #include "pipeline/speak/error.h"
 
 static const char *const KEYS[] = {"scale_m_per_px", "origin_px", "frame", "gravity_m_per_s2", NULL};
@@ -49,36 +48,9 @@ static int check_keys(const char *path, const struct state_info *info, const str
     return status;
 }
 
-/* The hash that the file recorded of the input of that name; NULL: it had none. */
-static const char *recorded(const cJSON *inputs, const char *name)
-{
-    const cJSON *input;
-    cJSON_ArrayForEach(input, inputs)
-    {
-        const cJSON *named = item_of(input, "name"), *digest = item_of(input, "sha256");
-        if (cJSON_IsString(named) && cJSON_IsString(digest) && !strcmp(named->valuestring, name))
-            return digest->valuestring;
-    }
-    return NULL;
-}
-
-static int check_loads(const char *path, const struct state_info *info, const struct scene *scene)
-{
-    char now[65];
-    struct json *json = info->inputs ? json_parse(info->inputs, strlen(info->inputs), path) : NULL;
-    const char *then = json ? recorded(json_root(json), basename(scene->loads)) : NULL;
-    int status = info->inputs && !json ? -1 : 0;
-    if (!status && json && (!then || read_record_digest(scene->loads, now)))
-        status = then ? -1 : stale(path, "loads");
-    else if (!status && json && strcmp(then, now))
-        status = stale(path, "loads");
-    json_free(json);
-    return status;
-}
-
 int freshness_check(const char *path, const struct state_info *info, const struct scene *scene)
 {
     if (strcmp(info->stage, "contacts"))
         return 0;
-    return check_keys(path, info, scene) || (scene->loads && check_loads(path, info, scene)) ? -1 : 0;
+    return check_keys(path, info, scene);
 }

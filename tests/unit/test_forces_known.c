@@ -235,7 +235,7 @@ static void all_four_walls_loaded(void **state)
     discs_load_wall(&packing, "bottom", 0, NAN);
     check_done(infer_forces(&packing, &options, METHOD_QSM, &forces));
     assert_true(isnan(forces.misfit[0]) && isnan(forces.misfit[1]));
-    assert_true(forces.converged && forces.verdict == VERDICT_BALANCED);
+    assert_true(forces.converged);
     forces_free(&forces);
     network_free(&network);
     packing_free(&packing);
